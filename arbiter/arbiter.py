@@ -1,0 +1,184 @@
+"""The arbiter: which primitives are on, how strongly, and what comes out together.
+
+    tau(t) = sum_i a_i(t) phi_i(q, q', t)
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arbiter.errors import ArbiterError
+from arbiter.kernel import ACT, WALK, control
+from arbiter.plan import DONE, LOG, SLOT, TIMED_OUT, Plan, make_plan
+from primitives import Field
+from primitives.compiled_field import CompiledField
+from primitives.mechanics import dof_table, link_table
+from primitives.table import PLAIN, TOUCH, TableBuilder, memory_size
+from sim import State
+from specs import BoundTask
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Event:
+    """What became of one sub-task in one simulation; times are NaN if it did not come to it."""
+
+    name: str
+    start: float  # [s]
+    end: float  # [s] when it was over; its goal may have been held long after
+    outcome: str  # pending, running, done, timed out
+
+
+class Arbiter:
+    """Runs a bound task in n simulations at once.
+
+    Call `torque(state)` at every step and apply what it returns. Time is read from the state;
+    the task begins at the first call.
+
+    Args:
+        task: what to do, on which body.
+        n: number of simulations.
+    """
+
+    def __init__(self, task: BoundTask, n: int = 1) -> None:
+        self.task = task
+        self.n = n
+        self.plan: Plan = make_plan(task)
+        self.names: tuple[str, ...] = (
+            *(b.name for b in task.spec.background),
+            *task.graph.order,
+        )
+        self._backgrounds = len(task.background)
+        self._plain: list[tuple[int, Field]] = []  # (place among all fields, field)
+        builder = TableBuilder(task.body.nv)
+        for place, field in enumerate((*task.background, *task.fields)):
+            if isinstance(field, CompiledField):
+                field.add_to(builder)
+            else:
+                builder.field(PLAIN, len(self._plain), field.claims)
+                self._plain.append((place, field))
+        body, table = task.body, builder.build()
+        slots, channels = self.plan.slots, self._backgrounds + self.plan.slots
+        self._live = np.full(n, -1, dtype=np.int32)
+        self._slots = np.zeros((n, slots), dtype=SLOT)
+        self._log = np.zeros((n, len(task.fields)), dtype=LOG)
+        self._memory = np.zeros((n, channels + 1, memory_size(body.nv)))
+        self._plain_torque = np.zeros((n, len(self._plain), body.nv))
+        self._plain_error = np.zeros((n, len(self._plain)))
+        self._contribution = np.zeros((n, channels, body.nv))
+        self._torque = np.zeros((n, body.nv))
+        gives_way = np.array([len(f.claims) > 0 for f in task.background], dtype=np.bool_)
+        touches = np.zeros((n, slots + 1), dtype=TOUCH)
+        self._before = (link_table(body), dof_table(body), *table)
+        self._before += (gives_way, self.plan.nodes, self.plan.successors, self.plan.roots)
+        self._after = (self._live, self._slots, self._log, self._memory, touches)
+        self._after += (self._plain_torque, self._plain_error, self._contribution, self._torque)
+        self._bound: tuple[State, tuple[object, ...]] | None = None
+        self.reset()
+
+    def reset(self, who: Sequence[int] | None = None) -> None:
+        """Begin the task anew at the next step, in all simulations or in some."""
+        rows = slice(None) if who is None else list(who)
+        self._live[rows] = -1
+        fresh = np.zeros(len(self.task.fields), dtype=LOG)
+        fresh["start"], fresh["waits"] = -np.inf, self.plan.waits
+        self._log[rows] = fresh
+
+    def torque(self, state: State) -> FloatArray:
+        """The torques (n, nv) [N m] that the task asks for now, within the motors' limits.
+
+        The array is the arbiter's own and is overwritten by the next call.
+
+        Raises:
+            ArbiterError: the state is of another size, or a torque is not finite.
+        """
+        arrays = self._arrays(state)
+        if self._plain:
+            control(WALK, 0, self.n, *arrays)
+            self._ask_plain(state)
+            bad = control(ACT, 0, self.n, *arrays)
+        else:
+            bad = control(WALK | ACT, 0, self.n, *arrays)
+        if bad >= 0:
+            raise self._not_finite(state, bad)
+        return self._torque
+
+    # --- what happened --------------------------------------------------------------------
+
+    @property
+    def contribution(self) -> FloatArray:
+        """Torques (n, channels, nv) [N m] by who made them; see `channels` for the names."""
+        return self._contribution
+
+    def channels(self, out: NDArray[np.int32]) -> None:
+        """Which of `names` made each row of `contribution`, (n, channels); -1 for nobody."""
+        b = self._backgrounds
+        out[:, :b] = np.arange(b)
+        used = np.arange(self.plan.slots) < self._live[:, None]
+        out[:, b:] = np.where(used, self._slots["node"] + b, -1)
+
+    def events(self, simulation: int = 0) -> tuple[Event, ...]:
+        """What became of each sub-task so far."""
+        words = ("pending", "running", "done", "timed out")
+        found = []
+        for name, row in zip(self.task.graph.order, self._log[simulation], strict=True):
+            outcome = int(row["outcome"])
+            start = float(row["start"]) if outcome else np.nan
+            end = float(row["end"]) if outcome in (DONE, TIMED_OUT) else np.nan
+            found.append(Event(name, start, end, words[outcome]))
+        return tuple(found)
+
+    @property
+    def over(self) -> NDArray[np.bool_]:
+        """Whether every sub-task is over, (n,)."""
+        done: NDArray[np.bool_] = np.all(self._log["outcome"] >= DONE, axis=1)
+        return done
+
+    # --- inside ---------------------------------------------------------------------------
+
+    def _arrays(self, state: State) -> tuple[object, ...]:
+        if self._bound is None or self._bound[0] is not state:
+            if state.n != self.n or state.qvel.shape[1] != self.task.body.nv:
+                raise ArbiterError(
+                    f"this arbiter runs {self.n} simulations of {self.task.body.nv} degrees of"
+                    f" freedom; the state has {state.n} of {state.qvel.shape[1]}"
+                )
+            own = (state.time, state.qpos, state.qvel, state.xpos, state.xmat)
+            own += (state.cdof, state.subtree_com)
+            self._bound = state, (*own, *self._before, *self._after)
+        return self._bound[1]
+
+    def _ask_plain(self, state: State) -> None:
+        """Let the fields that are plain Python make their torques, where they are on."""
+        for row, (place, field) in enumerate(self._plain):
+            node = place - self._backgrounds
+            if node < 0:
+                on = np.ones(self.n, dtype=np.bool_)
+                start = self._memory[:, -1, 0]
+            else:
+                on = self._log["on"][:, node]
+                start = self._log["start"][:, node]
+            if not on.any():
+                continue
+            fresh = on & (state.time - start < 0.999 * self.task.body.timestep)
+            if fresh.any():
+                field.begin(state, fresh)
+            since = np.where(on, state.time - start, 0.0)
+            self._plain_torque[:, row] = field.torque(state, since)
+            self._plain_error[:, row] = field.error(state)
+
+    def _not_finite(self, state: State, simulation: int) -> ArbiterError:
+        rows = np.empty(self._contribution.shape[:2], dtype=np.int32)
+        self.channels(rows)
+        for channel, row in enumerate(rows[simulation]):
+            if row >= 0 and not np.isfinite(self._contribution[simulation, channel]).all():
+                joint = int(np.flatnonzero(~np.isfinite(self._contribution[simulation, channel]))[0])
+                return ArbiterError(
+                    f"{self.names[row]!r} asks for a torque that is not finite at"
+                    f" {self.task.body.dof_name(joint)}, {state.time[simulation]:.3f} s"
+                    f" (simulation {simulation})"
+                )
+        return ArbiterError(f"a torque is not finite at {state.time[simulation]:.3f} s")

@@ -1,0 +1,175 @@
+"""Controller impedance: virtual springs and dampers pull the hand and turn the upper arm.
+
+    F   = K (x_d - x) + B (x_d' - x')                          (Mataric et al. 1999, eq 7)
+    tau = J_h^T F_h + J_e^T F_e + b_shoulder                                 (eq 8 and 9)
+
+F_h has six components: three pull the centre of the palm, three turn the palm. F_e only
+turns: it points the upper arm in a wanted direction. b_shoulder damps the shoulder. The
+g(theta) of eq 9 is the primitive compensate-gravity, added once for the whole body.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from primitives.compiled import compiled
+from primitives.mechanics import (
+    Row,
+    add,
+    axis_torque,
+    cross,
+    dot,
+    point_velocity,
+    rotate,
+    scale,
+    subtract,
+    to_link,
+    to_world,
+    turn_between,
+    turn_error,
+    twist,
+    unrotate,
+    vector,
+)
+from primitives.set_point import minimum_jerk
+
+FloatArray = NDArray[np.float64]
+
+_VECTOR = (np.float64, (3,))
+REACH = np.dtype(
+    [
+        # The arm: links, and the palm in the frame of the hand.
+        ("hand", np.int32),
+        ("upper_arm", np.int32),
+        ("forearm", np.int32),
+        ("root", np.int32),
+        ("palm", *_VECTOR),
+        ("palm_normal", *_VECTOR),
+        ("fingers", *_VECTOR),
+        # The goal: via points and goal are rows of POINT; directions are unit vectors.
+        ("points", np.int32),  # first row
+        ("touched", np.int32),  # link that the palm is to touch, -1 for none
+        ("turns_palm", np.bool_),
+        ("turns_fingers", np.bool_),
+        ("turns_upper_arm", np.bool_),
+        ("normal_link", np.int32),
+        ("normal_goal", *_VECTOR),  # of the palm, in the frame of normal_link
+        ("fingers_goal", *_VECTOR),  # in the frame of the root
+        ("upper_arm_goal", *_VECTOR),  # in the frame of the root
+        # Gains.
+        ("stiffness", np.float64),  # [N/m]
+        ("damping", np.float64),  # [N s/m]
+        ("turn_stiffness", np.float64),  # [N m/rad]
+        ("turn_damping", np.float64),  # [N m s/rad]
+        ("upper_arm_stiffness", np.float64),
+        ("upper_arm_damping", np.float64),
+        ("shoulder_damping", np.float64),
+    ],
+    align=True,
+)
+POINT = np.dtype([("link", np.int32), ("point", *_VECTOR)], align=True)
+REMEMBERED = 12  # start of the palm, and of its normal, fingers and upper arm, in the root's frame
+
+
+@compiled
+def upper_arm_direction(x: Row, r: np.void) -> tuple[float, float, float]:
+    """Unit vector from shoulder to elbow."""
+    along = subtract(vector(x.xpos[r.forearm]), vector(x.xpos[r.upper_arm]))
+    return scale(1.0 / np.sqrt(dot(along, along)), along)
+
+
+@compiled
+def palm_position(x: Row, r: np.void) -> tuple[float, float, float]:
+    """Centre of the palm in the world."""
+    return to_world(x, r.hand, vector(r.palm))
+
+
+@compiled
+def begin_reach(x: Row, r: np.void, memory: FloatArray) -> None:
+    """Remember where the arm is, in the frame of the link that carries it."""
+    frame = x.xmat[r.root]
+    memory[0:3] = to_link(x, r.root, palm_position(x, r))
+    memory[3:6] = unrotate(frame, rotate(x.xmat[r.hand], vector(r.palm_normal)))
+    memory[6:9] = unrotate(frame, rotate(x.xmat[r.hand], vector(r.fingers)))
+    memory[9:12] = unrotate(frame, upper_arm_direction(x, r))
+
+
+@compiled
+def impedance(
+    x: Row,
+    r: np.void,
+    points: NDArray[np.void],
+    memory: FloatArray,
+    share: float,
+    weight: FloatArray,
+    rate: FloatArray,
+    out: FloatArray,
+) -> None:
+    """out += the torques [N m] of the hand's and the upper arm's springs.
+
+    Args:
+        x: the simulation.
+        r: a row of REACH.
+        points: rows of POINT: this reach's via points and goal begin at r.points.
+        memory: what `begin_reach` remembered (REMEMBERED,).
+        share: how much of the movement's time has passed; orientations turn with the
+            minimum-jerk profile of it.
+        weight: of start, via points and goal (1 + points,).
+        rate: derivative of the weights [1/s].
+        out: (nv,) [N m]
+    """
+    frame = x.xmat[r.root]
+    c = vector(x.com[x.links[r.hand].root])
+
+    # The set point of the palm, and the force that pulls it there (eq 7).
+    start = to_world(x, r.root, vector(memory[0:3]))
+    wanted, speed = scale(weight[0], start), scale(rate[0], start)
+    for k in range(1, weight.shape[0]):
+        p = points[r.points + k - 1]
+        place = to_world(x, p.link, vector(p.point))
+        wanted = add(wanted, scale(weight[k], place))
+        speed = add(speed, scale(rate[k], place))
+    palm = palm_position(x, r)
+    force = add(
+        scale(r.stiffness, subtract(wanted, palm)),
+        scale(r.damping, subtract(speed, point_velocity(x, r.hand, palm))),
+    )
+
+    # The moment that turns the palm, and perhaps the fingers.
+    turned = minimum_jerk(share)
+    moment = (0.0, 0.0, 0.0)
+    if r.turns_palm:
+        goal = rotate(x.xmat[r.normal_link], vector(r.normal_goal))
+        wanted = turn_between(rotate(frame, vector(memory[3:6])), goal, turned)
+        moment = add(moment, turn_error(rotate(x.xmat[r.hand], vector(r.palm_normal)), wanted))
+    if r.turns_fingers:
+        goal = rotate(frame, vector(r.fingers_goal))
+        wanted = turn_between(rotate(frame, vector(memory[6:9])), goal, turned)
+        moment = add(moment, turn_error(rotate(x.xmat[r.hand], vector(r.fingers)), wanted))
+    spin = twist(x, r.hand)[0]
+    moment = subtract(scale(r.turn_stiffness, moment), scale(r.turn_damping, spin))
+
+    # J_h^T F_h over the joints of the arm (eq 8).
+    moment = add(moment, cross(subtract(palm, c), force))
+    base = x.links[r.root].last_dof
+    j = x.links[r.hand].last_dof
+    while j != base:
+        out[j] += axis_torque(x.cdof[j], moment, force)
+        j = x.dofs[j].parent
+
+    # J_e^T F_e and b_shoulder over the joints of the shoulder (eq 9).
+    moment = (0.0, 0.0, 0.0)
+    if r.turns_upper_arm:
+        goal = rotate(frame, vector(r.upper_arm_goal))
+        wanted = turn_between(rotate(frame, vector(memory[9:12])), goal, turned)
+        along = upper_arm_direction(x, r)
+        spin = twist(x, r.upper_arm)[0]
+        swing = subtract(spin, scale(dot(spin, along), along))
+        moment = subtract(
+            scale(r.upper_arm_stiffness, turn_error(along, wanted)),
+            scale(r.upper_arm_damping, swing),
+        )
+    j = x.links[r.upper_arm].last_dof
+    while j != base:
+        out[j] += axis_torque(x.cdof[j], moment, (0.0, 0.0, 0.0))
+        out[j] -= r.shoulder_damping * x.qvel[j]
+        j = x.dofs[j].parent

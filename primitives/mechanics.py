@@ -1,0 +1,207 @@
+"""Forces and velocities of points on links, inside compiled code.
+
+MuJoCo's `cdof` holds one motion axis per degree of freedom, (angular w, linear v), taken
+about the centre of mass c of the kinematic tree. A point p of a link that the axis moves
+has the velocity v + w x (p - c), so J^T F = w . ((p - c) x F) + v . F: no Jacobian is stored.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from primitives.compiled import compiled
+from sim import Body
+
+FloatArray = NDArray[np.float64]
+
+LINK = np.dtype([("last_dof", np.int32), ("root", np.int32), ("mass", np.float64)], align=True)
+DOF = np.dtype(
+    [("parent", np.int32), ("link", np.int32), ("qpos", np.int32), ("limit", np.float64)],
+    align=True,
+)
+
+
+def link_table(body: Body) -> NDArray[np.void]:
+    """Per link: the degree of freedom nearest to it, its tree's root, the mass it carries."""
+    model = body.model
+    table = np.zeros(model.nbody, dtype=LINK)
+    for link in range(model.nbody):
+        parent = model.body_parentid[link]
+        own = model.body_dofadr[link] + model.body_dofnum[link] - 1
+        inherited = table["last_dof"][parent] if link else -1
+        table["last_dof"][link] = own if model.body_dofnum[link] else inherited
+    table["root"] = model.body_rootid
+    table["mass"] = model.body_subtreemass
+    return table
+
+
+def dof_table(body: Body) -> NDArray[np.void]:
+    """Per degree of freedom: the next one towards the root, its link, and its motor's limit."""
+    model = body.model
+    table = np.zeros(model.nv, dtype=DOF)
+    table["parent"] = model.dof_parentid
+    table["link"] = model.dof_bodyid
+    table["qpos"] = body.qpos_of_dof
+    table["limit"] = body.torque_limit
+    return table
+
+
+class Row(NamedTuple):
+    """One simulation's state, with the tables of its body."""
+
+    qpos: FloatArray  # (nq,)
+    qvel: FloatArray  # (nv,)
+    xpos: FloatArray  # (nbody, 3)
+    xmat: FloatArray  # (nbody, 9)
+    cdof: FloatArray  # (nv, 6)
+    com: FloatArray  # (nbody, 3)
+    links: NDArray[np.void]
+    dofs: NDArray[np.void]
+
+
+Vector = tuple[float, float, float]
+
+
+@compiled
+def add(a: Vector, b: Vector) -> Vector:
+    """a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@compiled
+def subtract(a: Vector, b: Vector) -> Vector:
+    """a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@compiled
+def scale(k: float, a: Vector) -> Vector:
+    """k a."""
+    return k * a[0], k * a[1], k * a[2]
+
+
+@compiled
+def dot(a: Vector, b: Vector) -> float:
+    """a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def cross(a: Vector, b: Vector) -> Vector:
+    """a x b."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+@compiled
+def vector(a: FloatArray) -> Vector:
+    """The first three elements of an array."""
+    return a[0], a[1], a[2]
+
+
+@compiled
+def rotate(m: FloatArray, a: Vector) -> Vector:
+    """Rotate out of a link's frame by its matrix m (9,)."""
+    return (
+        m[0] * a[0] + m[1] * a[1] + m[2] * a[2],
+        m[3] * a[0] + m[4] * a[1] + m[5] * a[2],
+        m[6] * a[0] + m[7] * a[1] + m[8] * a[2],
+    )
+
+
+@compiled
+def unrotate(m: FloatArray, a: Vector) -> Vector:
+    """Rotate into a link's frame by the transpose of its matrix m (9,)."""
+    return (
+        m[0] * a[0] + m[3] * a[1] + m[6] * a[2],
+        m[1] * a[0] + m[4] * a[1] + m[7] * a[2],
+        m[2] * a[0] + m[5] * a[1] + m[8] * a[2],
+    )
+
+
+@compiled
+def to_world(x: Row, link: int, point: Vector) -> Vector:
+    """World position of a point fixed to a link."""
+    return add(vector(x.xpos[link]), rotate(x.xmat[link], point))
+
+
+@compiled
+def to_link(x: Row, link: int, point: Vector) -> Vector:
+    """Position in a link's frame of a point of the world."""
+    return unrotate(x.xmat[link], subtract(point, vector(x.xpos[link])))
+
+
+@compiled
+def twist(x: Row, link: int) -> tuple[Vector, Vector]:
+    """Angular velocity of a link, and linear velocity of the point of it at its tree's c."""
+    angular = (0.0, 0.0, 0.0)
+    linear = (0.0, 0.0, 0.0)
+    j = x.links[link].last_dof
+    while j >= 0:
+        axis = x.cdof[j]
+        angular = add(angular, scale(x.qvel[j], (axis[0], axis[1], axis[2])))
+        linear = add(linear, scale(x.qvel[j], (axis[3], axis[4], axis[5])))
+        j = x.dofs[j].parent
+    return angular, linear
+
+
+@compiled
+def point_velocity(x: Row, link: int, point: Vector) -> Vector:
+    """Velocity of the point of a link that is at `point` in the world [m/s]."""
+    angular, linear = twist(x, link)
+    arm = subtract(point, vector(x.com[x.links[link].root]))
+    return add(linear, cross(angular, arm))
+
+
+@compiled
+def axis_torque(axis: FloatArray, moment: Vector, force: Vector) -> float:
+    """Torque about one motion axis of a wrench that is taken about c."""
+    return (
+        axis[0] * moment[0]
+        + axis[1] * moment[1]
+        + axis[2] * moment[2]
+        + axis[3] * force[0]
+        + axis[4] * force[1]
+        + axis[5] * force[2]
+    )
+
+
+@compiled
+def push_point(x: Row, link: int, point: Vector, force: Vector, out: FloatArray) -> None:
+    """out += J^T F of a force [N] on a point of a link, over every joint that carries it."""
+    moment = cross(subtract(point, vector(x.com[x.links[link].root])), force)
+    j = x.links[link].last_dof
+    while j >= 0:
+        out[j] += axis_torque(x.cdof[j], moment, force)
+        j = x.dofs[j].parent
+
+
+@compiled
+def turn_between(start: Vector, goal: Vector, share: float) -> Vector:
+    """Unit vector at a share of the shortest turn from one unit vector to another."""
+    cosine = min(max(dot(start, goal), -1.0), 1.0)
+    if share >= 1.0 or cosine > 0.999999:
+        return goal
+    aside = subtract(goal, scale(cosine, start))  # the part of goal across start
+    length = np.sqrt(dot(aside, aside))
+    if length < 1e-6:  # opposite: any way round is as short; take the one nearest to up
+        aside = subtract((0.0, 0.0, 1.0), scale(start[2], start))
+        length = np.sqrt(dot(aside, aside))
+        if length < 1e-6:
+            aside, length = (1.0, 0.0, 0.0), 1.0
+    angle = share * np.arccos(cosine)
+    return add(scale(np.cos(angle), start), scale(np.sin(angle) / length, aside))
+
+
+@compiled
+def turn_error(current: Vector, wanted: Vector) -> Vector:
+    """Rotation vector that takes one unit vector to another, its length held to at most 1."""
+    axis = cross(current, wanted)
+    if dot(current, wanted) >= 0.0:
+        return axis
+    length = np.sqrt(dot(axis, axis))
+    return scale(1.0 / length, axis) if length > 1e-9 else axis

@@ -1,0 +1,245 @@
+"""The table of fields: every compiled field of a task as rows of a few arrays.
+
+One compiled function can then work through the fields of a simulation without returning to
+Python between them. `TableBuilder` collects the rows when a task is bound; `begin_field`,
+`add_torque` and `field_error` are what the arbiter calls on them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from primitives.compiled import compiled
+from primitives.gravity import carry_weight
+from primitives.impedance import POINT, REACH, REMEMBERED, begin_reach, impedance, palm_position
+from primitives.mechanics import Row, dot, subtract, to_world, vector
+from primitives.pd_servo import pd_servo
+from primitives.repulsion import CAPSULE, GUARD, PAIR, TOUCH, repel
+from primitives.set_point import (
+    MOST_KNOTS,
+    POWERS,
+    Profile,
+    knot_weights,
+    minimum_jerk,
+    weigh_knots,
+)
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int32]
+
+PLAIN, POSTURE, REACHING, GUARDING, WEIGHT = range(5)
+
+# `row` is where the field's own numbers begin: in `numbers` (POSTURE, WEIGHT), `reaches`
+# (REACHING), `guards` (GUARDING), or its place among the plain fields (PLAIN).
+FIELD = np.dtype(
+    [
+        *(("kind", np.int32), ("row", np.int32), ("curve", np.int32), ("knots", np.int32)),
+        ("duration", np.float64),
+    ],
+    align=True,
+)
+
+
+class FieldTable(NamedTuple):
+    """All fields of a task; see the dtypes for the columns."""
+
+    fields: NDArray[np.void]  # FIELD (f,)
+    claims: NDArray[np.bool_]  # (f, nv)
+    numbers: FloatArray  # set-point curves, gains and postures, end to end
+    reaches: NDArray[np.void]  # REACH
+    points: NDArray[np.void]  # POINT
+    guards: NDArray[np.void]  # GUARD
+    pairs: NDArray[np.void]  # PAIR
+    capsules: NDArray[np.void]  # CAPSULE
+
+
+class TableBuilder:
+    """Collects the rows of a `FieldTable`."""
+
+    def __init__(self, nv: int) -> None:
+        self.nv = nv
+        self._fields: list[tuple[int, int, int, int, float]] = []
+        self._claims: list[NDArray[np.bool_]] = []
+        self._numbers: list[FloatArray] = []
+        self._used = 0
+        self._curves: dict[tuple[Profile, tuple[float, ...]], int] = {}
+        self._records: dict[np.dtype[np.void], list[NDArray[np.void]]] = {
+            kind: [] for kind in (REACH, POINT, GUARD, PAIR, CAPSULE)
+        }
+
+    def field(
+        self,
+        kind: int,
+        row: int,
+        claims: IntArray,
+        *,
+        duration: float = 0.0,
+        curve: int = 0,
+        knots: int = 0,
+    ) -> int:
+        """Add a field; returns its number."""
+        mask = np.zeros(self.nv, dtype=np.bool_)
+        mask[claims] = True
+        self._claims.append(mask)
+        self._fields.append((kind, row, curve, knots, duration))
+        return len(self._fields) - 1
+
+    def numbers(self, *arrays: FloatArray) -> int:
+        """Add numbers; returns where they begin."""
+        at = self._used
+        for array in arrays:
+            flat = np.ravel(array).astype(np.float64)
+            self._numbers.append(flat)
+            self._used += flat.size
+        return at
+
+    def curve(self, profile: Profile, times: tuple[float, ...]) -> int:
+        """Add the weights of a set point's knots, once; returns where they begin."""
+        key = (profile, times)
+        if key not in self._curves:
+            self._curves[key] = self.numbers(np.array(times), knot_weights(profile, times))
+        return self._curves[key]
+
+    def records(self, rows: NDArray[np.void]) -> int:
+        """Add rows of one of the record types; returns the number of the first."""
+        kept = self._records[rows.dtype]
+        at = sum(len(r) for r in kept) if len(kept) < 2 else self._merge(kept)
+        kept.append(rows)
+        return at
+
+    @staticmethod
+    def _merge(kept: list[NDArray[np.void]]) -> int:
+        return sum(len(r) for r in kept)
+
+    def build(self) -> FieldTable:
+        """The table of everything that was added."""
+
+        def joined(kind: np.dtype[np.void]) -> NDArray[np.void]:
+            rows = self._records[kind]
+            return np.concatenate(rows) if rows else np.zeros(0, dtype=kind)
+
+        claims = np.array(self._claims, dtype=np.bool_).reshape(-1, self.nv)
+        return FieldTable(
+            fields=np.array(self._fields, dtype=FIELD),
+            claims=claims,
+            numbers=np.concatenate([*self._numbers, np.zeros(0)]),
+            reaches=joined(REACH),
+            points=joined(POINT),
+            guards=joined(GUARD),
+            pairs=joined(PAIR),
+            capsules=joined(CAPSULE),
+        )
+
+
+def memory_size(nv: int) -> int:
+    """How many numbers a field may remember per simulation."""
+    return max(nv, REMEMBERED)
+
+
+@compiled
+def begin_field(table: FieldTable, f: int, x: Row, memory: FloatArray) -> None:
+    """Let field f remember what it needs of the moment in which it is switched on."""
+    field = table.fields[f]
+    if field.kind == POSTURE:
+        for j in range(x.qvel.shape[0]):
+            at = x.dofs[j].qpos
+            memory[j] = x.qpos[at] if at >= 0 else 0.0
+    elif field.kind == REACHING:
+        begin_reach(x, table.reaches[field.row], memory)
+
+
+@compiled
+def add_torque(
+    table: FieldTable,
+    f: int,
+    x: Row,
+    memory: FloatArray,
+    t: float,
+    touches: NDArray[np.void],
+    scratch: FloatArray,
+    out: FloatArray,
+) -> None:
+    """out += the torques (nv,) [N m] of field f, t seconds after it was switched on.
+
+    Args:
+        table: the fields.
+        f: which of them; plain fields add nothing here.
+        x: the simulation.
+        memory: what `begin_field` remembered.
+        t: [s]
+        touches: rows of TOUCH, for fields that keep links apart.
+        scratch: (2, MOST_KNOTS) to work in.
+        out: (nv,) [N m]
+    """
+    field = table.fields[f]
+    nv = out.shape[0]
+    knots = field.knots
+    if knots:
+        times = table.numbers[field.curve : field.curve + knots]
+        at = field.curve + knots
+        coefficients = table.numbers[at : at + (knots - 1) * POWERS * knots]
+        weight, rate = scratch[0, :knots], scratch[1, :knots]
+        share = t / field.duration
+        weigh_knots(share, times, coefficients, weight, rate)
+        for k in range(knots):
+            rate[k] /= field.duration
+        if field.kind == POSTURE:
+            own = table.numbers[field.row : field.row + nv * (knots + 1)]
+            pd_servo(
+                x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv :], weight, rate, out
+            )
+        else:
+            reach = table.reaches[field.row]
+            impedance(x, reach, table.points, memory, share, weight, rate, out)
+    elif field.kind == GUARDING:
+        repel(x, table.guards[field.row], table.pairs, table.capsules, touches, out)
+    elif field.kind == WEIGHT:
+        carry_weight(x, table.numbers[field.row : field.row + 3], out)
+
+
+@compiled
+def field_error(table: FieldTable, f: int, x: Row) -> float:
+    """Distance of field f from its goal: largest joint error [rad], palm to goal [m], else 0."""
+    field = table.fields[f]
+    nv = x.qvel.shape[0]
+    if field.kind == POSTURE:
+        goal = table.numbers[field.row + nv * field.knots : field.row + nv * (field.knots + 1)]
+        worst = 0.0
+        for j in range(nv):
+            if table.claims[f, j]:
+                worst = max(worst, abs(x.qpos[x.dofs[j].qpos] - goal[j]))
+        return worst
+    if field.kind == REACHING:
+        reach = table.reaches[field.row]
+        p = table.points[reach.points + field.knots - 2]
+        gap = subtract(to_world(x, p.link, vector(p.point)), palm_position(x, reach))
+        return np.sqrt(dot(gap, gap))
+    return 0.0
+
+
+@compiled
+def touch_of(table: FieldTable, f: int, t: float, touch: np.void) -> bool:
+    """Fill in `touch` if field f brings a hand to a link; its share grows with the set point."""
+    field = table.fields[f]
+    if field.kind != REACHING or table.reaches[field.row].touched < 0:
+        return False
+    touch.hand = table.reaches[field.row].hand
+    touch.link = table.reaches[field.row].touched
+    touch.share = minimum_jerk(t / field.duration)
+    return True
+
+
+__all__ = [
+    "FIELD",
+    "MOST_KNOTS",
+    "PLAIN",
+    "TOUCH",
+    "FieldTable",
+    "TableBuilder",
+    "add_torque",
+    "begin_field",
+    "field_error",
+    "memory_size",
+    "touch_of",
+]

@@ -1,0 +1,34 @@
+"""Floor 1: bodies, physics and recordings. The only floor that imports MuJoCo."""
+
+from sim.bodies import BODIES, adonis, load_body
+from sim.body import Arm, Body, Capsules, Frame
+from sim.body_map import BodyMap, Limb, Servo, Spring
+from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
+from sim.posing import ArmWords, pose
+from sim.state import State
+from sim.world import Push, World
+
+__all__ = [
+    "BODIES",
+    "Arm",
+    "ArmWords",
+    "Body",
+    "BodyError",
+    "BodyMap",
+    "Capsules",
+    "Diverged",
+    "Frame",
+    "Limb",
+    "NoDisplay",
+    "Push",
+    "RecordingError",
+    "Servo",
+    "SimError",
+    "Spring",
+    "State",
+    "World",
+    "adonis",
+    "load_body",
+    "pose",
+    "unknown",
+]

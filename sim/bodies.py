@@ -1,0 +1,132 @@
+"""The bodies that come with the package, and their body maps."""
+
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+
+from sim.adonis_character import JOINTS, SIDES, build_adonis
+from sim.anthropometry import FEMALE, MALE, Anthropometry
+from sim.body import Body
+from sim.body_map import BodyMap, Limb, Servo, Spring
+from sim.errors import BodyError, unknown
+
+WAIST = ("waist_z", "waist_x", "waist_y")
+NECK = ("neck_z", "neck_x", "neck_y")
+ARM = ("shoulder_y", "shoulder_x", "shoulder_z", "elbow", "wrist_z", "wrist_x", "wrist_y")
+
+# Natural frequency [Hz] of each joint's servo, carrying the inertia that it moves, and the
+# damping ratio of all: how briskly a person holds a posture. The gains follow from the body.
+FREQUENCY = {"waist": 3.0, "neck": 3.5, "shoulder": 3.0, "elbow": 4.0, "wrist": 6.0}
+DAMPING_RATIO = 0.8
+
+SPRING = Spring(
+    stiffness=500.0,
+    damping=45.0,
+    turn_stiffness=8.0,
+    turn_damping=0.5,
+    upper_arm_stiffness=25.0,
+    upper_arm_damping=2.0,
+    shoulder_damping=1.0,
+)
+
+LANDMARKS = (
+    *(f"{side}_{part}" for side in SIDES for part in ("shoulder.top", "ribs", "hip")),
+    *(f"{side}_elbow.inside" for side in SIDES),
+    *("head.back", "head.back_left", "head.back_right"),
+    *("head.front", "head.top", "head.left", "head.right"),
+    *("chest.front", "belly.front"),
+)
+
+
+def adonis(person: Anthropometry = MALE, *, limits: bool = True, contacts: bool = True) -> Body:
+    """The Adonis torso with the proportions of `person` (Mataric et al. 1999, section 3)."""
+    model = build_adonis(person, limits=limits, contacts=contacts).compile()
+    arms = {
+        f"{side}_arm": Limb(
+            side=side,
+            joints=tuple(f"{side}_{joint}" for joint in ARM),
+            shoulder=tuple(f"{side}_{joint}" for joint in ARM[:3]),
+            elbow=f"{side}_elbow",
+            upper_arm=f"{side}_upper_arm",
+            forearm=f"{side}_forearm",
+            hand=f"{side}_hand",
+            palm=f"{side}_palm",
+            spring=SPRING,
+        )
+        for side in SIDES
+    }
+    upright = dict.fromkeys((*WAIST, *NECK), 0.0)
+    hanging = {"shoulder_y": 0, "shoulder_x": 9, "shoulder_z": 0, "elbow": 14}
+    hanging |= {"wrist_z": 0, "wrist_x": 0, "wrist_y": 0}
+    rest = {f"{side}_{joint}": float(angle) for side in SIDES for joint, angle in hanging.items()}
+    return Body(
+        model,
+        BodyMap(
+            name="adonis",
+            limbs=arms,
+            groups={"waist": WAIST, "neck": NECK},
+            landmarks=LANDMARKS,
+            postures={"upright": upright, "rest": upright | rest},
+            servos=_servos(model),
+            keep_apart=_keep_apart(),
+            upright="trunk",
+        ),
+    )
+
+
+BODIES: dict[str, Callable[..., Body]] = {
+    "adonis": lambda **options: adonis(MALE, **options),
+    "adonis-female": lambda **options: adonis(FEMALE, **options),
+}
+
+
+def load_body(name: str, *, limits: bool = True, contacts: bool = True) -> Body:
+    """A body of the package by name.
+
+    Args:
+        name: one of `BODIES`.
+        limits: joint limits on.
+        contacts: collisions on.
+
+    Raises:
+        BodyError: there is no such body; the message lists those there are.
+    """
+    if name not in BODIES:
+        raise BodyError(unknown("body", name, BODIES))
+    return BODIES[name](limits=limits, contacts=contacts)
+
+
+def _servos(model: mujoco.MjModel) -> dict[str, Servo]:
+    """k = (2 pi f)^2 I and k_d = 2 zeta sqrt(k I), I being the inertia that the joint moves.
+
+    The inertia is the diagonal of the mass matrix with the arms held out half bent.
+    """
+    data = mujoco.MjData(model)
+    for side in SIDES:
+        data.joint(f"{side}_shoulder_y").qpos = np.deg2rad(60)
+        data.joint(f"{side}_elbow").qpos = np.deg2rad(30)
+    mujoco.mj_forward(model, data)
+    mass = np.empty((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    servos = {}
+    for j in range(model.njnt):
+        name = model.joint(j).name
+        part = next(p for p in FREQUENCY if p in name)
+        rate, inertia = 2.0 * np.pi * FREQUENCY[part], mass[j, j]
+        servos[name] = Servo(
+            stiffness=float(rate**2 * inertia), damping=float(2.0 * DAMPING_RATIO * rate * inertia)
+        )
+    return servos
+
+
+def _keep_apart() -> tuple[tuple[str, str], ...]:
+    """Arms against head, trunk and pelvis, and the links of one arm against the other's."""
+    links = ("hand", "forearm", "upper_arm")
+    pairs = [(f"{s}_{a}", b) for s in SIDES for a in links[:2] for b in ("head", "trunk", "pelvis")]
+    pairs += [(f"{side}_upper_arm", "head") for side in SIDES]
+    pairs += [(f"right_{a}", f"left_{b}") for a in links for b in links]
+    return tuple(pairs)
+
+
+assert set(JOINTS) == {*WAIST, *NECK, *ARM}

@@ -1,0 +1,65 @@
+"""The body map: what the parts of a model are called in anatomy.
+
+A task file says "right arm", "left_shoulder.top", "rest". The map says which joints,
+frames and sites of one particular model those words mean. Angles are in degrees, as
+people write them; everything else is in SI units.
+"""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Angle = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class _Frozen(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Servo(_Frozen):
+    """Gains with which a joint is servoed when a task does not say otherwise (eq 1)."""
+
+    stiffness: Positive  # k [N m/rad]
+    damping: NonNegative  # k_d [N m s/rad]
+
+
+class Spring(_Frozen):
+    """Gains of the virtual springs that pull a hand, when a task does not say otherwise (eq 7-9)."""
+
+    stiffness: Positive  # hand translation [N/m]
+    damping: NonNegative  # [N s/m]
+    turn_stiffness: Positive  # hand rotation [N m/rad]
+    turn_damping: NonNegative  # [N m s/rad]
+    upper_arm_stiffness: Positive  # rotation of the upper arm [N m/rad]
+    upper_arm_damping: NonNegative  # [N m s/rad]
+    shoulder_damping: NonNegative  # b_shoulder [N m s/rad]
+
+
+class Limb(_Frozen):
+    """An arm: its joints from the trunk outwards, its links, and the frame of its palm."""
+
+    side: Annotated[str, Field(pattern="^(left|right)$")]
+    joints: Annotated[tuple[str, ...], Field(min_length=1)]
+    shoulder: tuple[str, ...]  # those of the joints that move the upper arm
+    elbow: str  # joint; 0 degrees is straight
+    upper_arm: str  # link, with its origin at the shoulder
+    forearm: str  # link, with its origin at the elbow
+    hand: str  # link, with its origin at the wrist
+    palm: str  # site on the surface of the palm: +x out of the palm, +z to the fingertips
+    spring: Spring
+
+
+class BodyMap(_Frozen):
+    """The names a task may use, and what they mean in the model."""
+
+    name: str
+    limbs: dict[str, Limb]
+    groups: dict[str, tuple[str, ...]] = {}  # further joint groups: waist, neck
+    landmarks: tuple[str, ...] = ()  # sites on the surface: +x is the outward normal
+    postures: dict[str, dict[str, Angle]] = {}  # joint -> angle [deg]
+    home: str = "rest"  # the posture a simulation starts in
+    servos: dict[str, Servo]
+    keep_apart: tuple[tuple[str, str], ...] = ()  # pairs of links that must not touch
+    upright: str = ""  # link whose tilt against the vertical says how upright the body is

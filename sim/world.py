@@ -1,0 +1,115 @@
+"""The physics: n simulations of a body, stepped together."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import mujoco.batch
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.body import Body
+from sim.errors import BodyError, Diverged
+from sim.state import State
+
+FloatArray = NDArray[np.float64]
+_KINEMATICS = mujoco.mjtStage.mjSTAGE_VEL.value
+
+
+@dataclass(frozen=True)
+class Push:
+    """A force on a link for a while, in some of the simulations."""
+
+    link: str
+    force: tuple[float, float, float]  # [N] in world axes, at the link's centre of mass
+    start: float  # [s]
+    duration: float  # [s]
+    simulations: tuple[int, ...] | None = None  # all of them when None
+
+
+class World:
+    """n simulations of one body over `mujoco.batch.Batch`.
+
+    Args:
+        body: what is simulated.
+        n: how many simulations.
+        threads: how many threads step them; the results do not depend on it.
+
+    Raises:
+        BodyError: a push names a link that the body lacks.
+    """
+
+    def __init__(self, body: Body, n: int = 1, *, threads: int = 1, pushes: Sequence[Push] = ()):
+        if n < 1 or threads < 1:
+            raise BodyError(f"a world needs n >= 1 and threads >= 1, not n={n}, threads={threads}")
+        self.body = body
+        self.n = n
+        self.threads = threads
+        batch = mujoco.batch.Batch(body.model, n, threads, persistent=True)
+        self._batch = batch
+        self._ctrl = batch.bind("ctrl")
+        self._motors = body.motor_dofs
+        self._direct = np.array_equal(self._motors, np.arange(body.nv))
+        self.torque = batch.bind("qfrc_actuator")  # (n, nv) applied in the last step [N m]
+        self._pushes = [(p, self._link(p.link)) for p in pushes]
+        self._force = batch.bind("xfrc_applied") if pushes else None
+        self.state = State(
+            time=batch.bind("time"),
+            qpos=batch.bind("qpos"),
+            qvel=batch.bind("qvel"),
+            xpos=batch.bind("xpos"),
+            xmat=batch.bind("xmat"),
+            cdof=batch.bind("cdof"),
+            subtree_com=batch.bind("subtree_com"),
+            qfrc_bias=batch.bind("qfrc_bias"),
+        )
+        self.reset()
+
+    def reset(self, qpos: FloatArray | None = None) -> None:
+        """Put every simulation at rest at time 0 in the posture (nq,) or (n, nq); default home."""
+        self._batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+        self.state.qpos[:] = self.body.home if qpos is None else qpos
+        self._batch.forward(stage=_KINEMATICS)
+
+    def step(self, torque: FloatArray) -> None:
+        """Apply joint torques (n, nv) [N m] for one time step and bring `state` up to date.
+
+        The motors of the model limit what is applied; see `torque` for what was.
+        """
+        if self._direct:
+            self._ctrl[:] = torque
+        else:
+            self._ctrl[:] = torque[:, self._motors]
+        if self._force is not None:
+            self._push(self._force)
+        self._batch.step(stage=_KINEMATICS)
+
+    def check(self) -> None:
+        """Raise `Diverged` if the physics of any simulation has gone wrong.
+
+        Raises:
+            Diverged: with the simulation, the time, and MuJoCo's own warning.
+        """
+        warned = self._batch.warning
+        finite = np.isfinite(self.state.qvel).all(axis=1) & np.isfinite(self.state.qpos).all(axis=1)
+        bad = np.flatnonzero(warned.any(axis=1) | ~finite)
+        if bad.size:
+            i = int(bad[0])
+            kinds = [mujoco.mjtWarning(int(k)).name for k in np.flatnonzero(warned[i])]
+            what = ", ".join(k.removeprefix("mjWARN_").lower() for k in kinds) or "not finite"
+            raise Diverged(
+                f"simulation {i} went wrong at {self.state.time[i]:.3f} s (MuJoCo: {what})"
+            )
+
+    def _link(self, name: str) -> int:
+        return self.body.link(name)
+
+    def _push(self, force: FloatArray) -> None:
+        force[:] = 0.0
+        for push, link in self._pushes:
+            on = (self.state.time >= push.start) & (self.state.time < push.start + push.duration)
+            if push.simulations is not None:
+                chosen = np.zeros(self.n, dtype=bool)
+                chosen[list(push.simulations)] = True
+                on &= chosen
+            force[on, link, :3] += push.force

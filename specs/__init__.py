@@ -1,0 +1,29 @@
+"""Floor 3: the task language, from YAML to a bound task graph."""
+
+from specs.available import available_primitives
+from specs.binding import BoundTask, bind_task
+from specs.errors import Position, SpecError
+from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
+from specs.loading import library, load_task, task_from_text
+from specs.reading import Document
+from specs.task import Background, SubTask, TaskSpec
+
+__all__ = [
+    "Background",
+    "BoundTask",
+    "Document",
+    "Position",
+    "SpecError",
+    "SubTask",
+    "TaskGraph",
+    "TaskSpec",
+    "available_primitives",
+    "bind_task",
+    "build_graph",
+    "library",
+    "load_task",
+    "task_from_text",
+    "to_dot",
+    "to_json",
+    "to_mermaid",
+]

@@ -1,0 +1,189 @@
+"""From a file, or the name of a task of the library, to a `TaskSpec`."""
+
+from collections.abc import Iterable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from primitives import Primitive
+from sim import unknown
+from specs.available import available_primitives
+from specs.errors import SpecError
+from specs.reading import Document, Path_, read_file, read_text
+from specs.task import Background, SubTask, TaskSpec
+
+Model = TypeVar("Model", bound=BaseModel)
+LIBRARY = Path(str(files("specs") / "library"))
+
+
+def library() -> dict[str, Path]:
+    """The tasks that come with the package, by name."""
+    return {path.stem: path for path in sorted(LIBRARY.glob("*.yaml"))}
+
+
+def find_task(name: str) -> Path:
+    """The file of a task: of the library when it is one of its names, else a path.
+
+    Raises:
+        SpecError: there is neither.
+    """
+    if name in library():
+        return library()[name]
+    path = Path(name)
+    if not path.exists() and path.suffix not in (".yaml", ".yml"):
+        raise SpecError(f"no such file, and {unknown('task of the library', name, library())}")
+    return path
+
+
+def load_task(
+    task: str | Path, *, primitives: Iterable[type[Primitive]] = ()
+) -> tuple[TaskSpec, Document]:
+    """Read a task.
+
+    Args:
+        task: a name of the library, or a path.
+        primitives: classes of one's own that the file may use.
+
+    Returns:
+        The task, and the document it was read from, which knows where everything stands.
+
+    Raises:
+        SpecError: with file, line and column.
+    """
+    document = read_file(find_task(str(task)))
+    return parse_task(document, primitives=primitives), document
+
+
+def task_from_text(
+    text: str, file: str = "task", *, primitives: Iterable[type[Primitive]] = ()
+) -> tuple[TaskSpec, Document]:
+    """Read a task from a string; `file` is what errors call it."""
+    document = read_text(text, file)
+    return parse_task(document, primitives=primitives), document
+
+
+def parse_task(document: Document, *, primitives: Iterable[type[Primitive]] = ()) -> TaskSpec:
+    """The task that a document describes.
+
+    Raises:
+        SpecError: it does not describe one.
+    """
+    data = document.data
+    if not isinstance(data, dict):
+        raise document.error("expected keys and values: task, tempo, subtasks …")
+    kinds = available_primitives(primitives)
+    whole = dict(data)
+    for key, model in (("background", Background), ("subtasks", SubTask)):
+        if key in whole:
+            whole[key] = _steps(document, (key,), whole[key], model, kinds)
+    spec = _validate(document, (), whole, TaskSpec)
+    _check_names(document, spec)
+    return spec
+
+
+def _steps(
+    document: Document,
+    path: Path_,
+    items: Any,
+    model: type[Model],
+    kinds: Mapping[str, type[Primitive]],
+) -> tuple[Model, ...]:
+    if not isinstance(items, list):
+        raise document.error(f"{path[-1]}: expected a list, each item with - in front", path)
+    return tuple(
+        _step(document, (*path, i), item, model, kinds) for i, item in enumerate(items)
+    )
+
+
+def _step(
+    document: Document,
+    path: Path_,
+    item: Any,
+    model: type[Model],
+    kinds: Mapping[str, type[Primitive]],
+) -> Model:
+    """One sub-task or background entry: its own keys, and beside them its primitive's."""
+    if not isinstance(item, dict):
+        raise document.error("expected keys and values: name, primitive …", path)
+    kind = item.get("primitive")
+    if kind is None:
+        known = ", ".join(sorted(kinds))
+        raise document.error(f"'primitive' is missing (there are: {known})", path)
+    if not isinstance(kind, str) or kind not in kinds:
+        raise document.error(unknown("primitive", kind, kinds), (*path, "primitive"))
+    ours = model.model_fields.keys() - {"does"}
+    theirs = kinds[kind].model_fields.keys() - {"kind"}
+    for key in item:
+        if key not in ours | theirs | {"primitive"}:
+            message = unknown(f"key of a {kind}", key, {*ours, *theirs, "primitive"})
+            raise document.error(message, (*path, key), key=True)
+    parameters = {k: v for k, v in item.items() if k in theirs}
+    own = {k: v for k, v in item.items() if k in ours}
+    own["does"] = _validate(document, path, parameters, kinds[kind])
+    return _validate(document, path, own, model)
+
+
+def _validate(document: Document, path: Path_, data: Any, model: type[Model]) -> Model:
+    """Validate against a model; the first problem becomes a `SpecError` at its place."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        problems = error.errors(include_url=False)
+        rank = {"extra_forbidden": 0, "missing": 1}
+        problem = min(problems, key=lambda p: rank.get(p["type"], 2))
+        place = (*path, *_inside(data, problem["loc"]))
+        message = _said(dict(problem), place, model)
+        raise document.error(message, place, key=problem["type"] == "extra_forbidden") from None
+
+
+def _inside(data: Any, loc: tuple[str | int, ...]) -> Path_:
+    """The part of a location that exists in the data: pydantic adds names of union members."""
+    path: list[str | int] = []
+    for step in loc:
+        if isinstance(data, dict) and step in data:
+            data = data[step]
+        elif isinstance(data, list | tuple) and isinstance(step, int) and step < len(data):
+            data = data[step]
+        else:
+            continue
+        path.append(step)
+    return tuple(path)
+
+
+def _said(problem: dict[str, Any], place: Path_, model: type[BaseModel]) -> str:
+    """One sentence for one error of pydantic."""
+    kind, given, loc = problem["type"], problem.get("input"), problem["loc"]
+    name = str(place[-1]) if place else "the task"
+    if kind == "extra_forbidden":
+        return unknown("key", loc[-1], model.model_fields if len(loc) == 1 else ())
+    if kind == "missing":
+        return f"{loc[-1]!r} is missing"
+    if kind in ("value_error", "assertion_error"):
+        return str(problem["ctx"]["error"])
+    if kind.startswith("model_") or kind in ("dict_type", "mapping_type"):
+        return f"{name}: expected keys and values, not {_short(given)}"
+    said = str(problem["msg"])
+    said = said.removeprefix("Input ").removeprefix("Value ")
+    return f"{name} {said}, not {_short(given)}"
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _check_names(document: Document, spec: TaskSpec) -> None:
+    seen: dict[str, Path_] = {}
+    steps = [(("background", i), b.name) for i, b in enumerate(spec.background)]
+    steps += [(("subtasks", i), s.name) for i, s in enumerate(spec.subtasks)]
+    for path, name in steps:
+        if name in seen:
+            first = document.where(seen[name])
+            line = f" (line {first.line})" if first else ""
+            raise document.error(f"the name {name!r} is used twice{line}", (*path, "name"))
+        seen[name] = path
+
+
+__all__ = ["SpecError", "find_task", "library", "load_task", "parse_task", "task_from_text"]
