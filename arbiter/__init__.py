@@ -1,6 +1,6 @@
 """Floor 4: activations, hand-over, combination, and the walk of the task graph."""
 
-from arbiter.arbiter import Arbiter, Event
+from arbiter.arbiter import Arbiter
 from arbiter.errors import ArbiterError
 
-__all__ = ["Arbiter", "ArbiterError", "Event"]
+__all__ = ["Arbiter", "ArbiterError"]

@@ -4,7 +4,6 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,20 +15,10 @@ from primitives import Field
 from primitives.compiled_field import CompiledField
 from primitives.mechanics import dof_table, link_table
 from primitives.table import PLAIN, TOUCH, TableBuilder, memory_size
-from sim import State
+from sim import Span, State
 from specs import BoundTask
 
 FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Event:
-    """What became of one sub-task in one simulation; times are NaN if it did not come to it."""
-
-    name: str
-    start: float  # [s]
-    end: float  # [s] when it was over; its goal may have been held long after
-    outcome: str  # pending, running, done, timed out
 
 
 class Arbiter:
@@ -120,7 +109,7 @@ class Arbiter:
         used = np.arange(self.plan.slots) < self._live[:, None]
         out[:, b:] = np.where(used, self._slots["node"] + b, -1)
 
-    def events(self, simulation: int = 0) -> tuple[Event, ...]:
+    def spans(self, simulation: int = 0) -> tuple[Span, ...]:
         """What became of each sub-task so far."""
         words = ("pending", "running", "done", "timed out")
         found = []
@@ -128,7 +117,7 @@ class Arbiter:
             outcome = int(row["outcome"])
             start = float(row["start"]) if outcome else np.nan
             end = float(row["end"]) if outcome in (DONE, TIMED_OUT) else np.nan
-            found.append(Event(name, start, end, words[outcome]))
+            found.append(Span(name, start, end, words[outcome]))
         return tuple(found)
 
     @property

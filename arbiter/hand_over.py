@@ -32,6 +32,30 @@ def fade_in(elapsed: float, duration: float) -> float:
 
 
 @compiled
+def share_left(
+    s: int,
+    time: float,
+    nodes: NDArray[np.void],
+    claims: NDArray[np.bool_],
+    backgrounds: int,
+    slots: NDArray[np.void],
+    live: int,
+    log: NDArray[np.void],
+) -> float:
+    """What newer sub-tasks leave to slot s, on the first joint that it claims."""
+    mine = claims[backgrounds + slots[s].node]
+    joint = 0
+    while joint < mine.shape[0] - 1 and not mine[joint]:
+        joint += 1
+    left = 1.0
+    for newer in range(s + 1, live):
+        k = slots[newer].node
+        if claims[backgrounds + k, joint]:
+            left *= 1.0 - fade_in(time - log[k].start, nodes[k].fade)
+    return left
+
+
+@compiled
 def hand_over(
     time: float,
     nodes: NDArray[np.void],

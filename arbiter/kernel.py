@@ -15,7 +15,7 @@ import arbiter.hand_over
 import arbiter.rules
 import arbiter.walk
 import primitives.table
-from arbiter.hand_over import hand_over
+from arbiter.hand_over import hand_over, share_left
 from arbiter.rules import sum_torques
 from arbiter.walk import begin_subtask, walk
 from primitives.mechanics import Row
@@ -94,6 +94,10 @@ def _make(fingerprint: str) -> Callable[..., int]:
                     k = slots[i, m - backgrounds].node
                     f, since = backgrounds + k, now - log[i, k].start
                     if touch_of(table, f, since, touches[i, touching]):
+                        touches[i, touching].share *= share_left(
+                            m - backgrounds, now, nodes, claims, backgrounds,
+                            slots[i], live[i], log[i],
+                        )  # fmt: skip
                         touching += 1
                 if fields[f].kind == PLAIN:
                     out[:] = plain[i, fields[f].row]

@@ -25,9 +25,9 @@ class AvoidCollisions(Primitive):
 
     kind: Literal["avoid-collisions"] = "avoid-collisions"
     pairs: tuple[tuple[str, str], ...] | None = None  # of links; default: the body's keep_apart
-    range: Positive = 0.05  # distance of the surfaces at which it begins to push [m]
-    stiffness: Positive = 400.0  # force at contact, per metre of range [N/m]
-    damping: NonNegative = 20.0  # of drawing nearer [N s/m]
+    range: Positive = 0.02  # distance of the surfaces at which it begins to push [m]
+    stiffness: Positive = 800.0  # force at contact, per metre of range [N/m]
+    damping: NonNegative = 60.0  # of drawing nearer [N s/m]
 
     def bind(self, body: Body, duration: float) -> "GuardField":
         """See `Primitive.bind`."""

@@ -65,7 +65,7 @@ class GoToPoint(Primitive):
     fingers: Direction | None = None  # where they point; default: free
     upper_arm: Direction | None = None  # where the elbow is, seen from the shoulder
     profile: Profile = "minimum-jerk"  # of the set point
-    travel: Annotated[float, Parameter(gt=0, le=1)] = 0.9  # share of the time it moves
+    travel: Annotated[float, Parameter(gt=0, le=1)] = 0.85  # share of the time it moves
     # Gains of the springs; default: the body's.
     stiffness: Positive | None = None  # [N/m]
     damping: NonNegative | None = None  # [N s/m]

@@ -27,6 +27,7 @@ from primitives.mechanics import (
     turn_between,
     turn_error,
     twist,
+    unit,
     unrotate,
     vector,
 )
@@ -67,14 +68,14 @@ REACH = np.dtype(
     align=True,
 )
 POINT = np.dtype([("link", np.int32), ("point", *_VECTOR)], align=True)
+PALM_WAITS = 0.3  # share of the movement for which the palm keeps its place on the forearm
 REMEMBERED = 12  # start of the palm, and of its normal, fingers and upper arm, in the root's frame
 
 
 @compiled
 def upper_arm_direction(x: Row, r: np.void) -> tuple[float, float, float]:
     """Unit vector from shoulder to elbow."""
-    along = subtract(vector(x.xpos[r.forearm]), vector(x.xpos[r.upper_arm]))
-    return scale(1.0 / np.sqrt(dot(along, along)), along)
+    return unit(subtract(vector(x.xpos[r.forearm]), vector(x.xpos[r.upper_arm])))
 
 
 @compiled
@@ -85,12 +86,13 @@ def palm_position(x: Row, r: np.void) -> tuple[float, float, float]:
 
 @compiled
 def begin_reach(x: Row, r: np.void, memory: FloatArray) -> None:
-    """Remember where the arm is, in the frame of the link that carries it."""
-    frame = x.xmat[r.root]
+    """Remember where the palm and the upper arm are, seen from the link that carries the arm,
+    and how the hand is turned, seen from the forearm."""
     memory[0:3] = to_link(x, r.root, palm_position(x, r))
-    memory[3:6] = unrotate(frame, rotate(x.xmat[r.hand], vector(r.palm_normal)))
-    memory[6:9] = unrotate(frame, rotate(x.xmat[r.hand], vector(r.fingers)))
-    memory[9:12] = unrotate(frame, upper_arm_direction(x, r))
+    wrist = x.xmat[r.forearm]
+    memory[3:6] = unrotate(wrist, rotate(x.xmat[r.hand], vector(r.palm_normal)))
+    memory[6:9] = unrotate(wrist, rotate(x.xmat[r.hand], vector(r.fingers)))
+    memory[9:12] = unrotate(x.xmat[r.root], upper_arm_direction(x, r))
 
 
 @compiled
@@ -134,17 +136,24 @@ def impedance(
         scale(r.damping, subtract(speed, point_velocity(x, r.hand, palm))),
     )
 
-    # The moment that turns the palm, and perhaps the fingers.
-    turned = minimum_jerk(share)
-    moment = (0.0, 0.0, 0.0)
+    # The moment that turns the palm: at first as it was on the forearm, in the end as the
+    # goal has it. The fingers stay in line with the forearm unless the goal says otherwise.
+    late = minimum_jerk((share - PALM_WAITS) / (1.0 - PALM_WAITS))
+    wrist = x.xmat[r.forearm]
+    normal = rotate(wrist, vector(memory[3:6]))
     if r.turns_palm:
         goal = rotate(x.xmat[r.normal_link], vector(r.normal_goal))
-        wanted = turn_between(rotate(frame, vector(memory[3:6])), goal, turned)
-        moment = add(moment, turn_error(rotate(x.xmat[r.hand], vector(r.palm_normal)), wanted))
+        normal = turn_between(normal, goal, late)
     if r.turns_fingers:
         goal = rotate(frame, vector(r.fingers_goal))
-        wanted = turn_between(rotate(frame, vector(memory[6:9])), goal, turned)
-        moment = add(moment, turn_error(rotate(x.xmat[r.hand], vector(r.fingers)), wanted))
+    else:
+        goal = unit(subtract(vector(x.xpos[r.hand]), vector(x.xpos[r.forearm])))
+    fingers = turn_between(rotate(wrist, vector(memory[6:9])), goal, late)
+    fingers = unit(subtract(fingers, scale(dot(fingers, normal), normal)))
+    moment = add(
+        turn_error(rotate(x.xmat[r.hand], vector(r.palm_normal)), normal),
+        turn_error(rotate(x.xmat[r.hand], vector(r.fingers)), fingers),
+    )
     spin = twist(x, r.hand)[0]
     moment = subtract(scale(r.turn_stiffness, moment), scale(r.turn_damping, spin))
 
@@ -160,7 +169,7 @@ def impedance(
     moment = (0.0, 0.0, 0.0)
     if r.turns_upper_arm:
         goal = rotate(frame, vector(r.upper_arm_goal))
-        wanted = turn_between(rotate(frame, vector(memory[9:12])), goal, turned)
+        wanted = turn_between(rotate(frame, vector(memory[9:12])), goal, minimum_jerk(share))
         along = upper_arm_direction(x, r)
         spin = twist(x, r.upper_arm)[0]
         swing = subtract(spin, scale(dot(spin, along), along))

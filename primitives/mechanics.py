@@ -88,6 +88,13 @@ def dot(a: Vector, b: Vector) -> float:
 
 
 @compiled
+def unit(a: Vector) -> Vector:
+    """a / |a|, or a itself when it has no length."""
+    length = np.sqrt(dot(a, a))
+    return scale(1.0 / length, a) if length > 1e-9 else a
+
+
+@compiled
 def cross(a: Vector, b: Vector) -> Vector:
     """a x b."""
     return (

@@ -1,14 +1,28 @@
 """Floor 1: bodies, physics and recordings. The only floor that imports MuJoCo."""
 
 from sim.bodies import BODIES, adonis, load_body
-from sim.body import Arm, Body, Capsules, Frame
+from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Limb, Servo, Spring
 from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
 from sim.posing import ArmWords, pose
+from sim.recording import Recorder, Recording, Span
+from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
+from sim.replay import Closest, Poses, Replay
 from sim.state import State
 from sim.world import Push, World
 
 __all__ = [
+    "render_video",
+    "render_filmstrip",
+    "VIEWS",
+    "Spot",
+    "DIRECTIONS",
+    "Span",
+    "Replay",
+    "Recording",
+    "Recorder",
+    "Poses",
+    "Closest",
     "BODIES",
     "Arm",
     "ArmWords",

@@ -197,7 +197,7 @@ class _Builder:
         for side, s in SIDES.items():
             y = s * (chest - r)
             self._capsule(
-                trunk, f"{side}_ribcage", (0, y, 0.32 * length), (0, y, 0.70 * length), r, SHIRT
+                trunk, f"{side}_ribcage", (0, y, 0.32 * length), (0, y, 0.58 * length), r, SHIRT
             )
             self._capsule(
                 trunk,
@@ -216,11 +216,15 @@ class _Builder:
                 SHIRT,
             )
             top = f"{side}_shoulder.top"
-            self._landmark(top, trunk, (0, s * 0.80 * sy, sz), (0.10, 0.0, 1.0))
+            self._landmark(top, trunk, (0, s * 0.70 * sy, sz), (0.30, 0.0, 1.0))
             self._landmark(
-                f"{side}_ribs", trunk, (0, s * (chest - r), 0.45 * length), (0.75, s, 0.0)
+                f"{side}_ribs", trunk, (0, s * (chest - r), 0.42 * length), (1.2, s, 0.0)
             )
-        self._capsule(trunk, "sternum", (0, 0, 0.30 * length), (0, 0, 0.72 * length), b, SHIRT)
+        self._capsule(trunk, "sternum", (0, 0, 0.30 * length), (0, 0, 0.56 * length), b, SHIRT)
+        upper = 0.40 * chest
+        self._capsule(
+            trunk, "upper_chest", (0, -upper, 0.74 * length), (0, upper, 0.74 * length), 0.068, SHIRT
+        )
         self._capsule(
             trunk, "neck_base", (-0.005, 0, 0.88 * length), (0, 0, 1.02 * length), 0.050, SKIN
         )
@@ -309,7 +313,7 @@ class _Builder:
             hand,
             f"{side}_thumb",
             (0.10 * ha.length, 0, -0.15 * ha.length),
-            (0.27 * ha.length, -s * 0.10 * ha.length, -0.42 * ha.length),
+            (0.27 * ha.length, -s * 0.03 * ha.length, -0.42 * ha.length),
             0.9 * half,
             SKIN,
         )
@@ -347,7 +351,7 @@ class _Builder:
     def _pair(self, one: str, other: str) -> None:
         if self.contacts:
             self.spec.add_pair(
-                geomname1=one, geomname2=other, condim=3, solref=[0.006, 1.0], friction=[0.4] * 5
+                geomname1=one, geomname2=other, condim=3, solref=[0.012, 1.0], friction=[0.4] * 5
             )
 
     def _capsule(
@@ -361,7 +365,7 @@ class _Builder:
             rgba=list(rgba),
             condim=3,
             friction=[0.4, 0.005, 0.0001],
-            solref=[0.006, 1.0],
+            solref=[0.012, 1.0],
             mass=0.0,
         )
 
@@ -395,7 +399,7 @@ class _Builder:
                 actfrcrange=[-torque, torque],
                 armature=armature,
                 damping=[damping, 0.0, 0.0],
-                solref_limit=[0.01, 1.0],
+                solref_limit=[0.02, 1.0],
             )
 
 

@@ -21,12 +21,12 @@ FREQUENCY = {"waist": 3.0, "neck": 3.5, "shoulder": 3.0, "elbow": 4.0, "wrist": 
 DAMPING_RATIO = 0.8
 
 SPRING = Spring(
-    stiffness=500.0,
-    damping=45.0,
-    turn_stiffness=8.0,
-    turn_damping=0.5,
-    upper_arm_stiffness=25.0,
-    upper_arm_damping=2.0,
+    stiffness=1500.0,
+    damping=85.0,
+    turn_stiffness=20.0,
+    turn_damping=0.9,
+    upper_arm_stiffness=50.0,
+    upper_arm_damping=4.0,
     shoulder_damping=1.0,
 )
 
@@ -41,7 +41,7 @@ LANDMARKS = (
 
 def adonis(person: Anthropometry = MALE, *, limits: bool = True, contacts: bool = True) -> Body:
     """The Adonis torso with the proportions of `person` (Mataric et al. 1999, section 3)."""
-    model = build_adonis(person, limits=limits, contacts=contacts).compile()
+    spec = build_adonis(person, limits=limits, contacts=contacts)
     arms = {
         f"{side}_arm": Limb(
             side=side,
@@ -61,16 +61,16 @@ def adonis(person: Anthropometry = MALE, *, limits: bool = True, contacts: bool 
     hanging |= {"wrist_z": 0, "wrist_x": 0, "wrist_y": 0}
     rest = {f"{side}_{joint}": float(angle) for side in SIDES for joint, angle in hanging.items()}
     return Body(
-        model,
+        spec,
         BodyMap(
             name="adonis",
             limbs=arms,
             groups={"waist": WAIST, "neck": NECK},
             landmarks=LANDMARKS,
             postures={"upright": upright, "rest": upright | rest},
-            servos=_servos(model),
+            servos=_servos(spec.compile()),
             keep_apart=_keep_apart(),
-            upright="trunk",
+            upright=("waist", "neck"),
         ),
     )
 

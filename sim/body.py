@@ -33,7 +33,7 @@ DIRECTIONS: dict[str, tuple[float, float, float]] = {
 
 
 @dataclass(frozen=True)
-class Frame:
+class Spot:
     """A point fixed to a link, with one direction: a landmark and its outward normal."""
 
     link: int
@@ -53,7 +53,7 @@ class Arm:
     upper_arm: int  # link at the shoulder
     forearm: int  # link at the elbow
     hand: int  # link at the wrist
-    palm: Frame  # centre of the palm and its normal
+    palm: Spot  # centre of the palm and its normal
     fingers: FloatArray  # (3,) unit, from the wrist to the fingertips, in the hand's frame
 
 
@@ -72,16 +72,19 @@ class Body:
     """A MuJoCo model and its body map.
 
     Args:
-        model: the compiled model; joints that are moved must have a motor each.
+        spec: the model; joints that are moved must have a motor each.
         names: what its parts are called.
 
     Raises:
         BodyError: the map names something that the model does not have.
     """
 
-    def __init__(self, model: mujoco.MjModel, names: BodyMap) -> None:
-        self.model = model
+    def __init__(self, spec: mujoco.MjSpec, names: BodyMap) -> None:
+        spec.compile()
+        self.xml: str = spec.to_xml()  # what is recorded is exactly what is run
+        self.model = mujoco.MjModel.from_xml_string(self.xml)
         self.map = names
+        model = self.model
         self.nv: int = model.nv
         self.timestep: float = model.opt.timestep
         hinges = {
@@ -142,17 +145,17 @@ class Body:
             upper_arm=upper,
             forearm=self.link(limb.forearm),
             hand=self.link(limb.hand),
-            palm=Frame(self.link(limb.hand), self.model.site_pos[site].copy(), axes[:, 0]),
+            palm=Spot(self.link(limb.hand), self.model.site_pos[site].copy(), axes[:, 0]),
             fingers=axes[:, 2],
         )
 
-    def landmark(self, name: str) -> Frame:
+    def landmark(self, name: str) -> Spot:
         """The landmark called `name`: the link it is on, the point and its outward normal."""
         if name not in self.map.landmarks:
             raise BodyError(unknown("landmark", name, self.map.landmarks))
         site = self._site(name)
         normal = _matrix(self.model.site_quat[site])[:, 0]
-        return Frame(int(self.model.site_bodyid[site]), self.model.site_pos[site].copy(), normal)
+        return Spot(int(self.model.site_bodyid[site]), self.model.site_pos[site].copy(), normal)
 
     def direction(self, given: str | tuple[float, float, float]) -> FloatArray:
         """Unit vector (3,) of a direction word or a vector, in the frame of the body."""
@@ -290,6 +293,14 @@ class Body:
             radius=model.geom_size[geom, 0].copy(),
         )
 
+    def is_free(self, qpos: FloatArray) -> bool:
+        """Whether no two geoms that can collide touch in a posture (nq,)."""
+        data = mujoco.MjData(self.model)
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_collision(self.model, data)
+        return bool(data.ncon == 0)
+
     # --- inside --------------------------------------------------------------------------
 
     def _site(self, name: str) -> int:
@@ -300,6 +311,12 @@ class Body:
 
     def _check(self) -> None:
         """Resolve every name of the map once, so that a wrong one is found now."""
+        for motor in range(self.model.nu):
+            kind, gain = self.model.actuator_trntype[motor], self.model.actuator_gainprm[motor, 0]
+            plain = self.model.actuator_biastype[motor] == mujoco.mjtBias.mjBIAS_NONE.value
+            if kind != mujoco.mjtTrn.mjTRN_JOINT.value or gain != 1.0 or not plain:
+                name = self.model.actuator(motor).name
+                raise BodyError(f"actuator {name!r} is not a torque motor with gain 1 on a joint")
         for limb in self.map.limbs:
             self.arm(limb)
         for group in self.map.groups:

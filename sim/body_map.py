@@ -62,4 +62,4 @@ class BodyMap(_Frozen):
     home: str = "rest"  # the posture a simulation starts in
     servos: dict[str, Servo]
     keep_apart: tuple[tuple[str, str], ...] = ()  # pairs of links that must not touch
-    upright: str = ""  # link whose tilt against the vertical says how upright the body is
+    upright: tuple[str, ...] = ()  # joint groups that stay at home unless a task moves them

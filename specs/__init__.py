@@ -1,12 +1,13 @@
 """Floor 3: the task language, from YAML to a bound task graph."""
 
-from specs.available import available_primitives
+from specs.available import available_primitives, primitives_in
 from specs.binding import BoundTask, bind_task
 from specs.errors import Position, SpecError
 from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
 from specs.loading import library, load_task, task_from_text
 from specs.reading import Document
-from specs.task import Background, SubTask, TaskSpec
+from specs.task import Background, SubTask, TaskSpec, with_tempo
+from specs.writing import task_to_yaml
 
 __all__ = [
     "Background",
@@ -22,8 +23,11 @@ __all__ = [
     "build_graph",
     "library",
     "load_task",
+    "primitives_in",
     "task_from_text",
+    "task_to_yaml",
     "to_dot",
     "to_json",
     "to_mermaid",
+    "with_tempo",
 ]

@@ -1,8 +1,12 @@
 """Which primitives there are: those of the package, and those that other packages add."""
 
+import importlib
+import importlib.util
+import sys
 from collections.abc import Iterable
 from functools import lru_cache
 from importlib.metadata import entry_points
+from pathlib import Path
 
 from primitives import AvoidCollisions, CompensateGravity, GetPosture, GoToPoint, Primitive
 from specs.errors import SpecError
@@ -33,6 +37,47 @@ def available_primitives(extra: Iterable[type[Primitive]] = ()) -> dict[str, typ
             )
         found[kind] = cls
     return found
+
+
+def primitives_in(source: str) -> list[type[Primitive]]:
+    """The primitives that a Python file or module defines.
+
+    Args:
+        source: path of a `.py` file, or the name of a module that can be imported.
+
+    Raises:
+        SpecError: there is no such file or module, it fails, or it defines none.
+    """
+    path = Path(source)
+    try:
+        if path.suffix == ".py":
+            if not path.is_file():
+                raise SpecError("no such file", file=source)
+            name = f"_primitives_of_{path.stem}"
+            found = importlib.util.spec_from_file_location(name, path)
+            assert found is not None and found.loader is not None
+            module = importlib.util.module_from_spec(found)
+            sys.modules[name] = module
+            found.loader.exec_module(module)
+        else:
+            module = importlib.import_module(source)
+    except SpecError:
+        raise
+    except Exception as problem:  # whatever the user's own code raises
+        said = f"{type(problem).__name__}: {problem}"
+        raise SpecError(f"cannot be imported: {said}", file=source) from problem
+    own = [
+        cls
+        for cls in vars(module).values()
+        if isinstance(cls, type)
+        and issubclass(cls, Primitive)
+        and cls.__module__ == module.__name__
+        and "kind" in cls.model_fields
+        and cls.model_fields["kind"].default is not None
+    ]
+    if not own:
+        raise SpecError("defines no primitive (a subclass of primitives.Primitive)", file=source)
+    return own
 
 
 @lru_cache(maxsize=1)

@@ -32,6 +32,11 @@ class BoundTask:
         """The task as written."""
         return self.graph.spec
 
+    @property
+    def may_wait(self) -> bool:
+        """Whether a sub-task may take longer than planned, until something is reached."""
+        return any(s.done != "on-time" for s in self.spec.subtasks)
+
 
 def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> BoundTask:
     """Compile a task to its graph and bind every primitive of it to a body.

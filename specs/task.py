@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validator
 
 from primitives import Primitive
+from specs.errors import SpecError
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
 Positive = Annotated[float, Field(gt=0, le=1e6)]
@@ -81,3 +82,14 @@ class TaskSpec(BaseModel):
         """How long the hand-over to a sub-task takes [s]: never longer than the sub-task."""
         asked = self.hand_over if subtask.hand_over is None else subtask.hand_over
         return min(asked, self.duration(subtask))
+
+
+def with_tempo(spec: TaskSpec, tempo: float) -> TaskSpec:
+    """The same task at another tempo [beats/min].
+
+    Raises:
+        SpecError: no such tempo.
+    """
+    if not 1.0 <= tempo <= 1000.0:
+        raise SpecError(f"a tempo is between 1 and 1000 beats per minute, not {tempo:g}")
+    return spec.model_copy(update={"tempo": tempo})

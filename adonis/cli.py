@@ -1,0 +1,397 @@
+"""The command line: `adonis run`, `check`, `graph`, `list`, `trials`, `bench`."""
+
+import os
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+if TYPE_CHECKING:
+    from adonis.judging import Judgement
+    from specs import BoundTask, Document, TaskSpec
+
+FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+app = typer.Typer(
+    help="Compose motor primitives on articulated bodies: describe a movement, watch it done.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+TaskArgument = Annotated[
+    str, typer.Argument(metavar="TASK", help="A task of the library (see `adonis list`) or a file.")
+]
+BodyOption = Annotated[str, typer.Option("--body", metavar="NAME", help="Body that does it.")]
+TempoOption = Annotated[
+    float | None,
+    typer.Option("--tempo", metavar="BPM", help="Beats per minute instead of the task's own."),
+]
+PrimitivesOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--primitives",
+        metavar="FILE",
+        help="Python file (or module) whose primitives the task may use; may be repeated.",
+    ),
+]
+
+
+class Start(StrEnum):
+    """Where a run begins."""
+
+    home = "home"
+    random = "random"
+
+
+class Format(StrEnum):
+    """How a graph is printed."""
+
+    mermaid = "mermaid"
+    dot = "dot"
+    json = "json"
+
+
+@app.command()
+def run(
+    task: TaskArgument,
+    body: BodyOption = "adonis",
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder for the results [default: runs/TASK]."),
+    ] = None,
+    video: Annotated[bool, typer.Option("--video", help="Render an MP4 as well.")] = False,
+    tempo: TempoOption = None,
+    start: Annotated[
+        Start, typer.Option("--start", help="Begin at home or in a random posture of the arms.")
+    ] = Start.home,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of all that is random.")] = 0,
+    primitives: PrimitivesOption = None,
+    limits: Annotated[
+        bool, typer.Option("--limits/--no-limits", help="Joint limits; the 1998 paper had none.")
+    ] = True,
+    contacts: Annotated[
+        bool, typer.Option("--contacts/--no-contacts", help="Self-collision; the paper had none.")
+    ] = True,
+) -> None:
+    """Do a task, and say how well it went.
+
+    Writes into DIR: recording.npz, model.xml, task.yaml, report.json, filmstrip.png and plots.
+    Ends with 0 if every sub-task succeeded, 1 if not, 2 if the input makes no sense.
+
+    [dim]adonis run macarena --video[/dim]
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    console = Console()
+    bound, document = _bind(task, body, tempo, primitives, limits=limits, contacts=contacts)
+    from adonis.dancing import Stopped, random_start, run_task
+    from adonis.errors import OutputError
+    from adonis.reporting import prepare_folder, write_results
+    from sim import SimError
+
+    spec = bound.spec
+    folder = out or Path("runs") / spec.task
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+    )
+    try:
+        prepare_folder(folder)
+        begin = None
+        if start is Start.random:
+            begin = random_start(bound.body, bound.start, 1, seed)
+        with Progress(*columns, console=console, transient=True) as bar:
+            shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
+
+            def moving(share: float, subtask: str) -> None:
+                bar.update(shown, completed=share, description=subtask or "holding")
+
+            stopped = None
+            try:
+                recordings = run_task(
+                    bound, start=begin, seed=seed, part=folder / "recording.npz.part",
+                    progress=moving,
+                )  # fmt: skip
+            except Stopped as problem:
+                stopped, recordings = problem, problem.recordings
+
+            def writing(what: str, share: float) -> None:
+                bar.update(shown, completed=share, description=f"writing: {what}")
+
+            if stopped is not None and len(recordings[0].time) < 2:
+                raise SimError(str(stopped))
+            results = write_results(
+                recordings[0], spec, folder, video=video and stopped is None, progress=writing
+            )
+            (folder / "recording.npz.part").unlink(missing_ok=True)
+    except (OutputError, SimError) as problem:
+        _refuse(problem)
+    _print_results(console, results.judgement, spec.title or spec.task)
+    for notice in results.notices:
+        console.print(f"[yellow]{notice}[/yellow]")
+    console.print(f"Results are in [bold]{folder}[/bold]: {', '.join(p.name for p in results.files.values())}", soft_wrap=True)  # fmt: skip
+    if stopped is not None:
+        console.print(f"[red]stopped:[/red] {stopped}", soft_wrap=True)
+        raise typer.Exit(INTERRUPTED if "interrupted" in str(stopped) else FAILED)
+    raise typer.Exit(0 if results.judgement.success else FAILED)
+
+
+@app.command()
+def check(
+    task: TaskArgument,
+    body: BodyOption = "adonis",
+    tempo: TempoOption = None,
+    primitives: PrimitivesOption = None,
+) -> None:
+    """Find what is wrong with a task, without simulating it.
+
+    Reads it, binds every name to the body, orders it, and prints when each sub-task is planned.
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    bound, _ = _bind(task, body, tempo, primitives)
+    spec, graph = bound.spec, bound.graph
+    table = Table(title=spec.title or spec.task, title_justify="left")
+    for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
+                             ("moves", "left"), ("from", "right"), ("to", "right")):  # fmt: skip
+        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    for number, name in enumerate(graph.order, start=1):
+        does, (start, end) = graph.subtasks[name].does, graph.planned[name]
+        moves = getattr(does, "limb", None) or ", ".join(getattr(does, "joints", None) or ())
+        table.add_row(
+            str(number), name, does.kind, moves.replace("_", " "), f"{start:.2f}", f"{end:.2f} s"
+        )
+    console = Console()
+    console.print(table)
+    beside = ", ".join(f"{b.name} ({b.does.kind})" for b in spec.background) or "nothing"
+    console.print(f"Beside them: {beside}.", soft_wrap=True)
+    console.print(
+        f"{len(graph.order)} sub-tasks, {graph.duration:.2f} s at {spec.tempo:g} beats per"
+        f" minute on {bound.body.map.name}. Nothing wrong was found.",
+        soft_wrap=True,
+    )
+
+
+@app.command()
+def graph(
+    task: TaskArgument,
+    format: Annotated[Format, typer.Option("--format", help="How to print it.")] = Format.mermaid,
+    tempo: TempoOption = None,
+    primitives: PrimitivesOption = None,
+) -> None:
+    """Print the task graph."""
+    from specs import SpecError, build_graph, to_dot, to_json, to_mermaid
+
+    spec, document = _load(task, tempo, primitives)
+    try:
+        made = build_graph(spec, document)
+    except SpecError as problem:
+        _refuse(problem)
+    printers = {Format.mermaid: to_mermaid, Format.dot: to_dot, Format.json: to_json}
+    typer.echo(printers[format](made), nl=False)
+
+
+@app.command("list")
+def list_all(primitives: PrimitivesOption = None) -> None:
+    """List the tasks of the library, the bodies and the primitives."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from sim import BODIES, load_body
+    from specs import SpecError, available_primitives, library, load_task
+
+    console = Console()
+    table = Table("task", "what it is", "sub-tasks", title="Tasks", title_justify="left")
+    for name in library():
+        spec, _ = load_task(name)
+        table.add_row(name, spec.title, str(len(spec.subtasks)))
+    console.print(table)
+    table = Table("body", "limbs", "landmarks", title="Bodies", title_justify="left")
+    for name in BODIES:
+        names = load_body(name).map
+        table.add_row(name, "\n".join(names.limbs), ", ".join(sorted(names.landmarks)))
+    console.print(table)
+    table = Table("primitive", "what it does", "parameters", title="Primitives", title_justify="left")
+    try:
+        kinds = available_primitives(_classes(primitives))
+    except SpecError as problem:
+        _refuse(problem)
+    for name, cls in kinds.items():
+        said = (cls.__doc__ or "").strip().splitlines()
+        parameters = ", ".join(k for k in cls.model_fields if k != "kind")
+        table.add_row(name, said[0] if said else "", parameters)
+    console.print(table)
+
+
+@app.command()
+def trials(
+    task: TaskArgument,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder for the table [default: runs/TASK-trials]."),
+    ] = None,
+    starts: Annotated[int, typer.Option(min=0, help="How many random start postures.")] = 20,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the start postures.")] = 0,
+    threads: Annotated[int, typer.Option(min=1, help="Threads of the physics.")] = 2,
+    primitives: PrimitivesOption = None,
+) -> None:
+    """Do a task under other conditions: tempo, body, start posture, a push.
+
+    Prints how many of its sub-tasks succeed in each, and ends with 0 only if all do.
+    """
+    from rich.console import Console
+
+    from adonis.errors import OutputError
+    from adonis.trials import print_trials, run_trials, write_trials
+    from sim import SimError
+    from specs import SpecError
+
+    console = Console()
+    spec, document = _load(task, None, primitives)
+    folder = out or Path("runs") / f"{spec.task}-trials"
+    try:
+        with console.status("starting") as status:
+            rows = run_trials(
+                spec, document, starts=starts, seed=seed, threads=threads, progress=status.update
+            )
+        write_trials(rows, folder)
+    except (OutputError, SimError, SpecError) as problem:
+        _refuse(problem)
+    print_trials(console, rows)
+    console.print(f"Results are in [bold]{folder}[/bold]: trials.json, trials.md", soft_wrap=True)
+    raise typer.Exit(0 if all(r.success for r in rows) else FAILED)
+
+
+@app.command()
+def bench(
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the JSON here as well.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions.")] = False,
+) -> None:
+    """Measure what control costs on top of bare physics; prints JSON."""
+    import json
+
+    from adonis.bench import measure
+    from adonis.errors import OutputError
+    from adonis.reporting import write_text
+
+    figures = json.dumps(measure(quick=quick, tell=lambda said: typer.echo(said, err=True)), indent=2)
+    typer.echo(figures)
+    if out is not None:
+        try:
+            write_text(out, figures + "\n")
+        except OutputError as problem:
+            _refuse(problem)
+
+
+def main() -> None:
+    """Entry point: rendering has a process of its own, this one needs no OpenGL."""
+    wished = os.environ.get("MUJOCO_GL")
+    if wished and wished != "disable":
+        os.environ["ADONIS_GL"] = wished
+    os.environ["MUJOCO_GL"] = "disable"
+    app()
+
+
+def _load(
+    task: str, tempo: float | None, primitives: list[str] | None
+) -> "tuple[TaskSpec, Document]":
+    """Read a task; a tempo given on the command line replaces its own."""
+    from specs import SpecError, load_task, with_tempo
+
+    try:
+        spec, document = load_task(task, primitives=_classes(primitives))
+        return (spec if tempo is None else with_tempo(spec, tempo)), document
+    except SpecError as problem:
+        _refuse(problem)
+
+
+def _bind(
+    task: str,
+    body: str,
+    tempo: float | None,
+    primitives: list[str] | None,
+    *,
+    limits: bool = True,
+    contacts: bool = True,
+) -> "tuple[BoundTask, Document]":
+    """Read a task and bind it to a body; every mistake in either ends here, with code 2."""
+    from sim import BodyError, load_body
+    from specs import SpecError, bind_task
+
+    spec, document = _load(task, tempo, primitives)
+    try:
+        return bind_task(spec, load_body(body, limits=limits, contacts=contacts), document), document
+    except (BodyError, SpecError) as problem:
+        _refuse(problem)
+
+
+def _classes(files: list[str] | None) -> "list[type]":
+    from specs import SpecError, primitives_in
+
+    try:
+        return [cls for name in files or () for cls in primitives_in(name)]
+    except SpecError as problem:
+        _refuse(problem)
+
+
+def _refuse(problem: Exception) -> NoReturn:
+    """One clear message, exit code 2."""
+    typer.echo(f"adonis: {problem}", err=True)
+    sys.exit(BAD_INPUT)
+
+
+def _print_results(console: object, judgement: "Judgement", title: str) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    assert isinstance(console, Console)
+    table = Table(title=title, title_justify="left")
+    for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
+                             ("from", "right"), ("to", "right"), ("error", "right"),
+                             ("allowed", "right"), ("", "left")):  # fmt: skip
+        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    for number, verdict in enumerate(judgement.verdicts, start=1):
+        row, worst = verdict.as_dict(), verdict.worst
+        error = allowed = ""
+        if worst is not None:
+            scale, unit = (1000.0, "mm") if worst.unit == "m" else (1.0, worst.unit)
+            error, allowed = f"{scale * worst.value:.1f} {unit}", f"{scale * worst.limit:.0f} {unit}"
+        table.add_row(
+            str(number),
+            row["words"] or row["name"],
+            row["primitive"],
+            "" if row["start"] is None else f"{row['start']:.2f}",
+            "" if row["end"] is None else f"{row['end']:.2f}",
+            error,
+            allowed,
+            "[green]ok[/green]" if verdict.success else f"[red]{_why(verdict.span.outcome)}[/red]",
+        )
+    console.print(table)
+    for measure in judgement.checks:
+        scale, unit = (1000.0, "mm") if measure.unit == "m" else (1.0, measure.unit)
+        said = "[green]ok[/green]" if measure.success else "[red]failed[/red]"
+        where = f"  [dim]({measure.where})[/dim]" if measure.where else ""
+        console.print(
+            f"  {measure.what}: {scale * measure.value:.2f} {unit},"
+            f" allowed {scale * measure.limit:.2f}  {said}{where}",
+            soft_wrap=True,
+        )
+    verdict_word = "[green]success[/green]" if judgement.success else "[red]failed[/red]"
+    total = len(judgement.verdicts)
+    console.print(f"{judgement.passed} of {total} sub-tasks succeeded: {verdict_word}")
+
+
+def _why(outcome: str) -> str:
+    return "failed" if outcome == "done" else outcome

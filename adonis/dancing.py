@@ -1,0 +1,153 @@
+"""From a bound task to recordings: the loop in which arbiter and physics take turns."""
+
+import platform
+from collections.abc import Callable, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arbiter import Arbiter, ArbiterError
+from sim import Body, Diverged, Push, Recorder, Recording, World
+from specs import BoundTask, task_to_yaml
+
+FloatArray = NDArray[np.float64]
+LOOK_EVERY = 50  # steps between looks at the health of the physics
+
+
+class Stopped(Exception):
+    """A run that broke off; `recordings` hold what there was until then."""
+
+    def __init__(self, message: str, recordings: tuple[Recording, ...]) -> None:
+        super().__init__(message)
+        self.recordings = recordings
+
+
+def run_task(
+    task: BoundTask,
+    *,
+    n: int = 1,
+    threads: int = 1,
+    start: FloatArray | None = None,
+    pushes: Sequence[Push] = (),
+    seed: int = 0,
+    contributions: bool = True,
+    part: Path | None = None,
+    progress: Callable[[float, str], None] | None = None,
+) -> tuple[Recording, ...]:
+    """Let n simulations do a task from beginning to end.
+
+    Args:
+        task: what to do, on which body.
+        n: number of simulations.
+        threads: on which they are stepped; the result does not depend on it.
+        start: postures to begin in (nq,) or (n, nq); default: the task's.
+        pushes: forces from outside.
+        seed: written into the recording; whoever drew `start` at random used it.
+        contributions: whether to keep which primitive made which torque.
+        part: file that holds what was recorded so far, while the run lasts.
+        progress: told the share that is done and the sub-task that is on.
+
+    Returns:
+        One recording for each simulation.
+
+    Raises:
+        Stopped: the physics went wrong, a primitive asked for nonsense, or the user
+            interrupted; it carries what was recorded until then.
+        RecordingError: the part cannot be written.
+        BodyError: a push names a link that the body lacks.
+    """
+    body = task.body
+    world = World(body, n, threads=threads, pushes=pushes)
+    world.reset(task.start if start is None else start)
+    arbiter = Arbiter(task, n)
+    recorder = Recorder(
+        body,
+        n,
+        names=arbiter.names if contributions else (),
+        channels=arbiter.contribution.shape[1],
+        about=about(task, seed),
+        part=part,
+    )
+    channels = np.zeros(arbiter.contribution.shape[:2], dtype=np.int32)
+    planned = int(np.ceil(task.graph.duration / body.timestep))
+    coda = int(np.ceil(task.spec.seconds(task.spec.coda) / body.timestep))
+    last: int | None = None if task.may_wait else planned
+    step = 0
+    problem: str | None = None
+    try:
+        while last is None or step < last:
+            torque = arbiter.torque(world.state)
+            if contributions:
+                arbiter.channels(channels)
+            recorder.take(world.state, arbiter.contribution, channels)
+            world.step(torque)
+            recorder.applied(world.torque)
+            step += 1
+            if step % LOOK_EVERY == 0:
+                world.check()
+                if last is None and step >= planned - coda and arbiter.over.all():
+                    last = step + coda
+                if progress is not None:
+                    progress(min(step / planned, 1.0), _present(arbiter))
+        world.check()
+    except (Diverged, ArbiterError) as error:
+        problem = f"{error}, during {_present(arbiter) or 'the background'}"
+    except KeyboardInterrupt:
+        problem = f"interrupted at {step * body.timestep:.3f} s"
+    spans = [arbiter.spans(i) for i in range(n)]
+    recordings = recorder.finish(spans, complete=problem is None)
+    if problem is not None:
+        raise Stopped(problem, recordings)
+    recorder.discard_part()
+    return recordings
+
+
+def random_start(body: Body, task_start: FloatArray, count: int, seed: int) -> FloatArray:
+    """Postures (count, nq) with the arms anywhere they can be without touching anything.
+
+    Waist and neck stay as the task starts them.
+    """
+    rng = np.random.default_rng(seed)
+    dofs = np.concatenate([body.joints(limb) for limb in body.map.limbs])
+    low, high = (limit[dofs] for limit in body.range)
+    low, high = np.maximum(low, -np.pi), np.minimum(high, np.pi)
+    found: list[FloatArray] = []
+    while len(found) < count:
+        q = task_start.copy()
+        q[body.qpos_of_dof[dofs]] = rng.uniform(low, high)
+        if body.is_free(q):
+            found.append(q)
+    return np.array(found)
+
+
+def about(task: BoundTask, seed: int) -> dict[str, Any]:
+    """What a recording should say about its origin."""
+    return {
+        "task": task_to_yaml(task.spec),
+        "body": task.body.map.name,
+        "body_map": task.body.map.model_dump(mode="json"),
+        "seed": seed,
+        "versions": versions(),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of what makes the numbers."""
+    found = {"python": platform.python_version()}
+    for name in ("adonis", "mujoco", "numpy", "numba"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def _present(arbiter: Arbiter) -> str:
+    """The sub-tasks that are under way in the first simulation."""
+    return ", ".join(s.name for s in arbiter.spans(0) if s.outcome == "running")
+
+
+__all__ = ["Stopped", "about", "random_start", "run_task", "versions"]

@@ -1,0 +1,193 @@
+"""What a run leaves behind: the folder with recording, model, task, report and pictures."""
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from adonis.errors import OutputError
+from adonis.judging import Judgement, judge
+from adonis.plotting import plot_hand_speed, plot_torque
+from primitives import GoToPoint
+from sim import (
+    BodyMap,
+    Closest,
+    Frame,
+    NoDisplay,
+    Recording,
+    Replay,
+    render_filmstrip,
+    render_video,
+)
+from specs import TaskSpec
+
+
+@dataclass(frozen=True)
+class Results:
+    """The files of a run, by what they are, and notices about those that could not be made."""
+
+    folder: Path
+    judgement: Judgement
+    files: dict[str, Path]
+    notices: tuple[str, ...]
+
+
+def prepare_folder(folder: Path) -> None:
+    """Make a folder for results.
+
+    Raises:
+        OutputError: nothing can be written there.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise OutputError(f"cannot make the folder {folder}: {problem.strerror}") from None
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise OutputError(f"cannot write into the folder {folder}")
+
+
+def write_results(
+    recording: Recording,
+    spec: TaskSpec,
+    folder: Path,
+    *,
+    video: bool = False,
+    progress: Callable[[str, float], None] | None = None,
+) -> Results:
+    """Judge a recording and write everything that a run leaves behind.
+
+    Args:
+        recording: what happened.
+        spec: the task as it ran.
+        folder: where to; it exists.
+        video: whether to render an MP4 as well.
+        progress: told what is being written and how far it is.
+
+    Raises:
+        OutputError, RecordingError: a file cannot be written.
+    """
+
+    def tell(what: str, share: float = 0.0) -> None:
+        if progress is not None:
+            progress(what, share)
+
+    files = {
+        "recording": folder / "recording.npz",
+        "model": folder / "model.xml",
+        "task": folder / "task.yaml",
+        "report": folder / "report.json",
+    }
+    tell("recording")
+    recording.save(files["recording"])
+    write_text(files["model"], recording.model_xml)
+    write_text(files["task"], str(recording.about["task"]))
+    tell("judging")
+    judgement = judge(recording, spec)
+    report = report_of(recording, spec, judgement)
+    write_text(files["report"], json.dumps(report, indent=2, ensure_ascii=False) + "\n")
+    tell("plots")
+    names = BodyMap.model_validate(recording.about["body_map"])
+    replay = Replay(recording)
+    files["hand speed"] = folder / "hand_speed.png"
+    plot_hand_speed(recording, replay, names, files["hand speed"])
+    files["torque"] = folder / "torque.png"
+    plot_torque(recording, replay, names, files["torque"])
+    notices: list[str] = []
+    palms = [limb.palm for limb in names.limbs.values()]
+    try:
+        tell("filmstrip")
+        strip = folder / "filmstrip.png"
+        render_filmstrip(recording, filmstrip_frames(recording, spec), strip, palms=palms)
+        files["filmstrip"] = strip
+        if video:
+            clip = folder / "video.mp4"
+            render_video(recording, clip, progress=lambda share: tell("video", share))
+            files["video"] = clip
+    except NoDisplay as notice:
+        notices.append(str(notice))
+    return Results(folder, judgement, files, tuple(notices))
+
+
+def report_of(recording: Recording, spec: TaskSpec, judgement: Judgement) -> dict[str, Any]:
+    """The report as plain data; times in seconds of the recording."""
+    about = recording.about
+    checks = {c.what: c for c in judgement.checks}
+    nearest = clearance(recording, spec)
+    return {
+        "success": judgement.success,
+        "task": spec.task,
+        "title": spec.title,
+        "body": about["body"],
+        "tempo": spec.tempo,
+        "seed": about["seed"],
+        "duration": float(recording.time[-1]) if len(recording.time) else 0.0,
+        "timestep": recording.timestep,
+        "complete": recording.complete,
+        "passed": judgement.passed,
+        "subtasks": [v.as_dict() for v in judgement.verdicts],
+        "checks": [c.as_dict() for c in judgement.checks],
+        "worst_penetration": checks["worst penetration"].value,
+        "smallest_clearance": nearest.distance,
+        "smallest_clearance_between": list(nearest.geoms),
+        "largest_hand_over_torque_step": checks["hand-over torque step"].value,
+        "largest_torque_step": _largest_step(recording),
+        "peak_torque_share": checks["peak torque"].value,
+        "versions": about["versions"],
+    }
+
+
+def clearance(recording: Recording, spec: TaskSpec) -> Closest:
+    """Smallest distance of links that must not touch and that the task does not bring together."""
+    names = BodyMap.model_validate(recording.about["body_map"])
+    replay = Replay(recording)
+    meant = set()
+    for subtask in spec.subtasks:
+        does = subtask.does
+        if isinstance(does, GoToPoint) and isinstance(does.to, str):
+            meant.add((names.limbs[does.limb].hand, replay.link_of_site(does.to)))
+    pairs = [p for p in names.keep_apart if p not in meant and p[::-1] not in meant]
+    return replay.clearance(pairs)
+
+
+def filmstrip_frames(recording: Recording, spec: TaskSpec) -> list[Frame]:
+    """One frame for each sub-task, at its end; the last row if it came to none."""
+    subtasks = {s.name: s for s in spec.subtasks}
+    frames = []
+    for number, span in enumerate(sorted_spans(recording), start=1):
+        subtask = subtasks[span.name]
+        said = subtask.words or subtask.name
+        trail = spec.duration(subtask)
+        end = span.end if np.isfinite(span.end) else float(recording.time[-1])
+        frames.append(Frame(end, f"{number}  {said}", trail))
+    return frames or [Frame(float(recording.time[-1]), "the end")]
+
+
+def sorted_spans(recording: Recording) -> list[Any]:
+    """The sub-tasks that began, in the order in which they did."""
+    return sorted((s for s in recording.spans if np.isfinite(s.start)), key=lambda s: s.start)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file, whole or not at all.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    draft = path.with_name(path.name + ".tmp")
+    try:
+        draft.write_text(text, encoding="utf-8")
+        os.replace(draft, path)
+    except OSError as problem:
+        draft.unlink(missing_ok=True)
+        raise OutputError(f"cannot write {path}: {problem.strerror}") from None
+
+
+def _largest_step(recording: Recording) -> float:
+    """Largest change of a torque in 2 ms at any time, as a share of its limit."""
+    limits = Replay(recording).torque_limits()
+    steps = np.abs(np.diff(recording.torque, axis=0)) / limits
+    return float(np.nanmax(steps) * 0.002 / recording.timestep)

@@ -1,0 +1,294 @@
+"""Recordings: what happened in one simulation, as named arrays with units.
+
+While a simulation runs, its recorder appends to `recording.npz.part`, a plain sequence of
+NumPy arrays; when it ends, that becomes `recording.npz`. A run that is killed leaves the
+part, and `Recording.load` reads what is in it.
+"""
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.body import Body
+from sim.errors import RecordingError
+from sim.state import State
+
+FloatArray = NDArray[np.float64]
+
+UNITS = {
+    "time": "s",
+    "qpos": "m, rad",
+    "qvel": "m/s, rad/s",
+    "torque": "N m",
+    "contribution": "N m",
+}
+ROWS = 250  # of a chunk: what a killed run may lose
+
+
+@dataclass(frozen=True)
+class Span:
+    """What became of one sub-task; times are NaN if it did not come to it."""
+
+    name: str
+    start: float  # [s]
+    end: float  # [s] when it was over; its goal may have been held long after
+    outcome: str  # pending, running, done, timed out
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One simulation: row k is the state at time[k] and the torque that was then applied."""
+
+    time: FloatArray  # (T,) [s]
+    qpos: FloatArray  # (T, nq)
+    qvel: FloatArray  # (T, nv)
+    torque: FloatArray  # (T, nv) applied by the motors [N m]
+    contribution: NDArray[np.float32]  # (T, primitives, nv) what each primitive asked for [N m]
+    names: tuple[str, ...]  # of the primitives
+    spans: tuple[Span, ...]  # of the sub-tasks
+    model_xml: str  # the model that was run
+    about: Mapping[str, Any] = field(default_factory=dict)  # task, body map, versions, seed …
+    complete: bool = True  # False when it was read from the part that a killed run left
+
+    @cached_property
+    def model(self) -> mujoco.MjModel:
+        """The model that was run, compiled anew."""
+        return mujoco.MjModel.from_xml_string(self.model_xml)
+
+    @property
+    def timestep(self) -> float:
+        """Seconds between rows."""
+        return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 0.0
+
+    def row(self, time: float) -> int:
+        """The last row that is not after `time` [s]."""
+        index = int(np.searchsorted(self.time, time + 1e-9, side="right")) - 1
+        return min(max(index, 0), len(self.time) - 1)
+
+    def save(self, path: str | Path) -> None:
+        """Write the recording as one `.npz` file, whole or not at all.
+
+        Raises:
+            RecordingError: it cannot be written there.
+        """
+        path = Path(path)
+        arrays = {key: getattr(self, key) for key in UNITS}
+        arrays["names"] = np.array(self.names)
+        arrays["span_name"] = np.array([s.name for s in self.spans])
+        arrays["span_start"] = np.array([s.start for s in self.spans])
+        arrays["span_end"] = np.array([s.end for s in self.spans])
+        arrays["span_outcome"] = np.array([s.outcome for s in self.spans])
+        arrays["model_xml"] = np.array(self.model_xml)
+        about = {**self.about, "units": UNITS, "complete": self.complete}
+        arrays["about"] = np.array(json.dumps(about, sort_keys=True))
+        draft = path.with_name(path.name + ".tmp")
+        try:
+            with draft.open("wb") as file:
+                np.savez_compressed(file, **arrays)
+            os.replace(draft, path)
+        except OSError as problem:
+            draft.unlink(missing_ok=True)
+            raise RecordingError(f"cannot write {path}: {problem.strerror}") from None
+
+    @classmethod
+    def load(cls, path: str | Path) -> "Recording":
+        """Read a recording, or what a killed run left of one.
+
+        Args:
+            path: `recording.npz`, its `.part`, or the folder they are in.
+
+        Raises:
+            RecordingError: there is none, or it cannot be read.
+        """
+        path = Path(path)
+        if path.is_dir():
+            path /= "recording.npz"
+        part = path if path.suffix == ".part" else path.with_name(path.name + ".part")
+        try:
+            if path.exists() and path != part:
+                return cls._from_npz(path)
+            if part.exists():
+                return cls._from_part(part)
+        except (OSError, ValueError, KeyError, EOFError) as problem:
+            raise RecordingError(f"cannot read {path}: {problem}") from None
+        raise RecordingError(f"there is no recording at {path}")
+
+    @classmethod
+    def _from_npz(cls, path: Path) -> "Recording":
+        with np.load(path, allow_pickle=False) as f:
+            spans = zip(
+                f["span_name"], f["span_start"], f["span_end"], f["span_outcome"], strict=True
+            )
+            about = json.loads(str(f["about"]))
+            return cls(
+                **{key: f[key] for key in UNITS},
+                names=tuple(str(n) for n in f["names"]),
+                spans=tuple(Span(str(n), float(a), float(b), str(o)) for n, a, b, o in spans),
+                model_xml=str(f["model_xml"]),
+                about=about,
+                complete=bool(about.get("complete", True)),
+            )
+
+    @classmethod
+    def _from_part(cls, part: Path) -> "Recording":
+        with part.open("rb") as file:
+            header = json.loads(str(np.load(file)))
+            chunks = list(_chunks(file))
+        if not chunks:
+            raise ValueError("it ended before its first row")
+        names = tuple(header["names"])
+        rows = [np.concatenate(arrays) for arrays in zip(*chunks, strict=True)]
+        return _recording(rows, 0, names, (), header["model_xml"], header["about"], False)
+
+
+class Recorder:
+    """Takes down the simulations of a world, row by row.
+
+    Args:
+        body: what is simulated.
+        n: number of simulations.
+        names: of all primitives; empty if contributions are not to be kept.
+        channels: how many primitives can be on at once.
+        about: task, body map, versions, seed.
+        part: file to append to meanwhile; None keeps the recording in memory only.
+
+    Raises:
+        RecordingError: the part cannot be written.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        n: int,
+        *,
+        names: tuple[str, ...] = (),
+        channels: int = 0,
+        about: Mapping[str, Any] | None = None,
+        part: Path | None = None,
+    ) -> None:
+        nq, nv = body.model.nq, body.nv
+        channels = channels if names else 0
+        self._chunk: tuple[NDArray[Any], ...] = (
+            np.zeros((ROWS, n)),
+            np.zeros((ROWS, n, nq)),
+            np.zeros((ROWS, n, nv)),
+            np.zeros((ROWS, n, nv)),
+            np.zeros((ROWS, n, channels, nv), dtype=np.float32),
+            np.full((ROWS, n, channels), -1, dtype=np.int32),
+        )
+        self._full: list[tuple[NDArray[Any], ...]] = []
+        self._row = 0
+        self._names, self._model_xml, self._about = names, body.xml, dict(about or {})
+        self._part = part
+        self._file: BinaryIO | None = None
+        if part is not None:
+            try:
+                self._file = part.open("wb")
+                header = {"names": names, "model_xml": body.xml, "about": self._about}
+                np.save(self._file, np.array(json.dumps(header)))
+                self._file.flush()
+            except OSError as problem:
+                raise RecordingError(f"cannot write {part}: {problem.strerror}") from None
+
+    def take(self, state: State, contribution: FloatArray, channels: NDArray[np.int32]) -> None:
+        """Begin a row: the state, and which primitive asks for what.
+
+        Args:
+            state: of n simulations.
+            contribution: (n, channels, nv) [N m]
+            channels: (n, channels) which of `names` each is, -1 for nobody.
+        """
+        time, qpos, qvel, _, asked, who = self._chunk
+        k = self._row
+        time[k], qpos[k], qvel[k] = state.time, state.qpos, state.qvel
+        if self._names:
+            asked[k], who[k] = contribution, channels
+
+    def applied(self, torque: FloatArray) -> None:
+        """Complete the row with the torques (n, nv) [N m] that the motors applied to it."""
+        self._chunk[3][self._row] = torque
+        self._row += 1
+        if self._row == ROWS:
+            self._flush()
+
+    def finish(
+        self, spans: Sequence[tuple[Span, ...]], *, complete: bool = True
+    ) -> tuple[Recording, ...]:
+        """A recording of each simulation; the part is kept until `discard_part`."""
+        self._flush()
+        if self._file is not None:
+            self._file.close()
+        rows = [np.concatenate(arrays) for arrays in zip(*self._full, strict=True)]
+        return tuple(
+            _recording(rows, i, self._names, spans[i], self._model_xml, self._about, complete)
+            for i in range(rows[0].shape[1])
+        )
+
+    def discard_part(self) -> None:
+        """Remove the part, once the recording has been saved."""
+        if self._part is not None:
+            self._part.unlink(missing_ok=True)
+
+    def _flush(self) -> None:
+        """Put the rows of the chunk away, and on disk if there is a part."""
+        rows = tuple(array[: self._row].copy() for array in self._chunk)
+        self._full.append(rows)
+        self._row = 0
+        if self._file is not None:
+            for array in rows:
+                np.save(self._file, array)
+            self._file.flush()
+
+
+def _recording(
+    rows: Sequence[NDArray[Any]],
+    simulation: int,
+    names: tuple[str, ...],
+    spans: tuple[Span, ...],
+    model_xml: str,
+    about: Mapping[str, Any],
+    complete: bool,
+) -> Recording:
+    time, qpos, qvel, torque, asked, who = (array[:, simulation].copy() for array in rows)
+    return Recording(
+        time=time,
+        qpos=qpos,
+        qvel=qvel,
+        torque=torque,
+        contribution=_spread(asked, who, len(names)),
+        names=names,
+        spans=spans,
+        model_xml=model_xml,
+        about=about,
+        complete=complete,
+    )
+
+
+def _chunks(file: BinaryIO) -> Any:
+    """The whole chunks of a part; the last may have been cut off."""
+    while True:
+        chunk = []
+        for _ in range(6):
+            try:
+                chunk.append(np.load(file))
+            except (EOFError, ValueError, OSError):
+                return
+        yield chunk
+
+
+def _spread(
+    values: NDArray[np.float32], channels: NDArray[np.int32], count: int
+) -> NDArray[np.float32]:
+    """(T, channels, nv) with a number for each channel, as (T, count, nv)."""
+    dense = np.zeros((values.shape[0], count, values.shape[2]), dtype=np.float32)
+    rows, slots = np.nonzero(channels >= 0)
+    dense[rows, channels[rows, slots]] = values[rows, slots]
+    return dense

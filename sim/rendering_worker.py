@@ -1,0 +1,110 @@
+"""The process that renders: `python -m sim.rendering_worker job.json` (see `rendering`)."""
+
+import json
+import sys
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from sim.recording import Recording
+
+Picture = NDArray[np.uint8]
+TRAIL_COLORS = ((0.86, 0.33, 0.16, 0.9), (0.10, 0.55, 0.42, 0.9))
+CAPTION = 44  # height [pixels]
+
+
+class Camera:
+    """Renders one row of a recording after another."""
+
+    def __init__(self, recording: Recording, view: tuple[float, float], size: list[int]) -> None:
+        self.recording, self.model = recording, recording.model
+        self._data = mujoco.MjData(self.model)
+        self.model.vis.global_.offwidth = max(self.model.vis.global_.offwidth, size[0])
+        self.model.vis.global_.offheight = max(self.model.vis.global_.offheight, size[1])
+        self._renderer = mujoco.Renderer(self.model, size[1], size[0])
+        self._camera = mujoco.MjvCamera()
+        self._camera.lookat[:] = self.model.stat.center
+        self._camera.distance = 1.75 * self.model.stat.extent
+        self._camera.azimuth, self._camera.elevation = view
+
+    def shoot(self, row: int, palms: list[str] | None = None, since: int = 0) -> Picture:
+        """The picture of a row, with the way that the palms came from the row `since`."""
+        self._set(row)
+        self._renderer.update_scene(self._data, self._camera)
+        for palm, color in zip(palms or (), TRAIL_COLORS * 4, strict=False):
+            self._draw_trail(palm, since, row, color)
+        return np.array(self._renderer.render())
+
+    def _set(self, row: int) -> None:
+        self._data.qpos[:] = self.recording.qpos[row]
+        mujoco.mj_kinematics(self.model, self._data)
+        mujoco.mj_camlight(self.model, self._data)
+        mujoco.mj_comPos(self.model, self._data)
+
+    def _draw_trail(self, site: str, first: int, last: int, rgba: tuple[float, ...]) -> None:
+        points = []
+        for row in range(first, last + 1, 8):
+            self._data.qpos[:] = self.recording.qpos[row]
+            mujoco.mj_kinematics(self.model, self._data)
+            points.append(self._data.site(site).xpos.copy())
+        scene = self._renderer.scene
+        for start, end in zip(points, points[1:], strict=False):
+            if scene.ngeom >= scene.maxgeom or np.linalg.norm(end - start) < 1e-3:
+                continue
+            geom = scene.geoms[scene.ngeom]
+            kind = mujoco.mjtGeom.mjGEOM_CAPSULE
+            mujoco.mjv_initGeom(
+                geom, kind, np.zeros(3), np.zeros(3), np.zeros(9), np.array(rgba, np.float32)
+            )
+            mujoco.mjv_connector(geom, kind, 0.005, start, end)
+            scene.ngeom += 1
+
+
+def filmstrip(recording: Recording, job: dict[str, Any]) -> None:
+    """Several moments side by side, each with its caption."""
+    camera = Camera(recording, job["view"], job["size"])
+    width, height = job["size"]
+    columns = min(job["columns"], len(job["frames"]))
+    rows = -(-len(job["frames"]) // columns)
+    strip = Image.new("RGB", (columns * width, rows * (height + CAPTION)), "white")
+    pen, font = ImageDraw.Draw(strip), ImageFont.load_default(size=14)
+    for index, (time, caption, trail) in enumerate(job["frames"]):
+        row = recording.row(time)
+        picture = camera.shoot(row, job["palms"], recording.row(max(time - trail, 0.0)))
+        x, y = index % columns * width, index // columns * (height + CAPTION)
+        strip.paste(Image.fromarray(picture), (x, y))
+        lines = textwrap.wrap(caption, width=max(12, width // 8))[:2]
+        pen.multiline_text((x + 8, y + height + 4), "\n".join(lines), fill="#222222", font=font)
+    strip.save(job["path"], optimize=True)
+
+
+def video(recording: Recording, job: dict[str, Any]) -> None:
+    """The whole recording in real time."""
+    import imageio_ffmpeg
+
+    camera = Camera(recording, job["view"], job["size"])
+    count = max(1, int(recording.time[-1] * job["fps"]))
+    writer = imageio_ffmpeg.write_frames(
+        job["path"], tuple(job["size"]), fps=job["fps"], quality=7, macro_block_size=8
+    )
+    writer.send(None)
+    for k in range(count):
+        writer.send(camera.shoot(recording.row(k / job["fps"])).tobytes())
+        print(f"progress {(k + 1) / count:.4f}", flush=True)
+    writer.close()
+
+
+def main() -> None:
+    """Do the job that the first argument describes."""
+    job = json.loads(Path(sys.argv[1]).read_text())
+    recording = Recording.load(job["recording"])
+    {"filmstrip": filmstrip, "video": video}[job["what"]](recording, job)
+
+
+if __name__ == "__main__":
+    main()

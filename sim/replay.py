@@ -1,0 +1,159 @@
+"""Replay: what a recording looks like to MuJoCo, and to nobody else.
+
+Every figure here comes from the recorded joint angles and the recorded model by MuJoCo's
+own kinematics and collision detection. Nothing is shared with the controllers.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.errors import unknown
+from sim.recording import Recording
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Poses:
+    """Where something was, row by row."""
+
+    position: FloatArray  # (T, 3) [m]
+    axes: FloatArray  # (T, 3, 3) its axes as columns
+
+
+@dataclass(frozen=True)
+class Closest:
+    """The closest two geoms came, or the deepest they went into each other."""
+
+    distance: float  # [m]; negative is penetration
+    time: float  # [s]
+    geoms: tuple[str, str]
+
+
+class Replay:
+    """Geometry of a recording.
+
+    Args:
+        recording: what is played back.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        self.recording = recording
+        self.model = mujoco.MjModel.from_xml_string(recording.model_xml)
+        # Bodies that were allowed to pass through each other are still seen to do it.
+        self.model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+        self._data = mujoco.MjData(self.model)
+        count = len(recording.time)
+        sites, links = self.model.nsite, self.model.nbody
+        self._site = np.zeros((count, sites, 3)), np.zeros((count, sites, 9))
+        self._link = np.zeros((count, links, 3)), np.zeros((count, links, 9))
+        self.penetration = Closest(0.0, 0.0, ("", ""))
+        self._play()
+
+    def site(self, name: str) -> Poses:
+        """Poses of a site: a palm or a landmark."""
+        index = self._id(mujoco.mjtObj.mjOBJ_SITE, "site", name)
+        return Poses(self._site[0][:, index], self._site[1][:, index].reshape(-1, 3, 3))
+
+    def link(self, name: str) -> Poses:
+        """Poses of a link."""
+        index = self._id(mujoco.mjtObj.mjOBJ_BODY, "link", name)
+        return Poses(self._link[0][:, index], self._link[1][:, index].reshape(-1, 3, 3))
+
+    def angle(self, joint: str) -> FloatArray:
+        """Angle of a hinge (T,) [rad]."""
+        index = self._id(mujoco.mjtObj.mjOBJ_JOINT, "joint", joint)
+        angles: FloatArray = self.recording.qpos[:, self.model.jnt_qposadr[index]]
+        return angles
+
+    def link_of_site(self, name: str) -> str:
+        """Name of the link that a site is on."""
+        index = self._id(mujoco.mjtObj.mjOBJ_SITE, "site", name)
+        return str(self.model.body(self.model.site_bodyid[index]).name)
+
+    def parent(self, name: str) -> str:
+        """Name of the link that carries a link."""
+        index = self._id(mujoco.mjtObj.mjOBJ_BODY, "link", name)
+        return str(self.model.body(self.model.body_parentid[index]).name)
+
+    def dof(self, joint: str) -> int:
+        """Degree of freedom of a joint."""
+        index = self._id(mujoco.mjtObj.mjOBJ_JOINT, "joint", joint)
+        return int(self.model.jnt_dofadr[index])
+
+    def joint_of_dof(self, dof: int) -> str:
+        """Name of the joint that owns a degree of freedom."""
+        return str(self.model.joint(self.model.dof_jntid[dof]).name)
+
+    def torque_limits(self) -> FloatArray:
+        """Largest torque of each joint's motor (nv,) [N m]; NaN where there is no motor."""
+        limits = np.full(self.model.nv, np.nan)
+        for motor in range(self.model.nu):
+            dof = self.model.jnt_dofadr[self.model.actuator_trnid[motor, 0]]
+            limits[dof] = np.abs(self.model.actuator_ctrlrange[motor]).min()
+        return limits
+
+    def clearance(
+        self, pairs: Iterable[tuple[str, str]], *, every: int = 5, within: float = 0.1
+    ) -> Closest:
+        """Smallest distance between links that must not touch.
+
+        Args:
+            pairs: of links.
+            every: rows from one look to the next.
+            within: distances beyond this are not measured [m].
+        """
+        couples = [
+            (a, b)
+            for one, other in pairs
+            for a in self._geoms(one)
+            for b in self._geoms(other)
+        ]
+        best = Closest(within, 0.0, ("", ""))
+        for k in range(0, len(self.recording.time), every):
+            self._set(k)
+            for a, b in couples:
+                distance = mujoco.mj_geomDistance(
+                    self.model, self._data, a, b, best.distance, None
+                )
+                if distance < best.distance:
+                    names = self.model.geom(a).name, self.model.geom(b).name
+                    best = Closest(float(distance), float(self.recording.time[k]), names)
+        return best
+
+    # --- inside --------------------------------------------------------------------------
+
+    def _play(self) -> None:
+        for k in range(len(self.recording.time)):
+            self._set(k)
+            data = self._data
+            self._site[0][k], self._site[1][k] = data.site_xpos, data.site_xmat
+            self._link[0][k], self._link[1][k] = data.xpos, data.xmat
+            mujoco.mj_collision(self.model, data)
+            if data.ncon:
+                depths = data.contact.dist
+                deepest = int(np.argmin(depths))
+                if depths[deepest] < self.penetration.distance:
+                    pair = data.contact.geom[deepest]
+                    names = self.model.geom(pair[0]).name, self.model.geom(pair[1]).name
+                    time = float(self.recording.time[k])
+                    self.penetration = Closest(float(depths[deepest]), time, names)
+
+    def _set(self, k: int) -> None:
+        self._data.qpos[:] = self.recording.qpos[k]
+        mujoco.mj_kinematics(self.model, self._data)
+
+    def _geoms(self, link: str) -> Sequence[int]:
+        body = self._id(mujoco.mjtObj.mjOBJ_BODY, "link", link)
+        own = (self.model.geom_bodyid == body) & (self.model.geom_contype > 0)
+        return [int(g) for g in np.flatnonzero(own)]
+
+    def _id(self, kind: mujoco.mjtObj, what: str, name: str) -> int:
+        index = mujoco.mj_name2id(self.model, kind, name)
+        if index < 0:
+            raise KeyError(unknown(what, name, ()))
+        return int(index)

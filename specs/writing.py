@@ -1,0 +1,39 @@
+"""From a `TaskSpec` back to a task file that means the same."""
+
+from io import StringIO
+from typing import Any
+
+from ruamel.yaml import YAML
+
+from specs.task import Background, SubTask, TaskSpec
+
+
+def task_to_yaml(spec: TaskSpec) -> str:
+    """The task as YAML; what is left to its default is not written."""
+    whole: dict[str, Any] = {
+        key: getattr(spec, key)
+        for key, field in TaskSpec.model_fields.items()
+        if key not in ("background", "subtasks") and getattr(spec, key) != field.default
+    }
+    if spec.background:
+        whole["background"] = [_step(b) for b in spec.background]
+    whole["subtasks"] = [_step(s) for s in spec.subtasks]
+    yaml = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = None
+    yaml.sort_base_mapping_type_on_output = False
+    yaml.width = 100
+    stream = StringIO()
+    yaml.dump(whole, stream)
+    return stream.getvalue()
+
+
+def _step(step: Background | SubTask) -> dict[str, Any]:
+    """Our own keys, and beside them the primitive's: as a task file writes them."""
+    written: dict[str, Any] = {"name": step.name}
+    for key, field in type(step).model_fields.items():
+        value = getattr(step, key)
+        if key not in ("name", "does") and value != field.default:
+            written[key] = list(value) if isinstance(value, tuple) else value
+    parameters = step.does.model_dump(mode="json", exclude_defaults=True)
+    parameters.pop("kind", None)
+    return written | {"primitive": step.does.kind} | parameters
