@@ -25,7 +25,7 @@ class AvoidCollisions(Primitive):
 
     kind: Literal["avoid-collisions"] = "avoid-collisions"
     pairs: tuple[tuple[str, str], ...] | None = None  # of links; default: the body's keep_apart
-    range: Positive = 0.02  # distance of the surfaces at which it begins to push [m]
+    range: Positive = 0.015  # distance of the surfaces at which it begins to push [m]
     stiffness: Positive = 800.0  # force at contact, per metre of range [N/m]
     damping: NonNegative = 60.0  # of drawing nearer [N s/m]
 

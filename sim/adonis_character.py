@@ -218,7 +218,7 @@ class _Builder:
             top = f"{side}_shoulder.top"
             self._landmark(top, trunk, (0, s * 0.70 * sy, sz), (0.30, 0.0, 1.0))
             self._landmark(
-                f"{side}_ribs", trunk, (0, s * (chest - r), 0.42 * length), (1.2, s, 0.0)
+                f"{side}_ribs", trunk, (0, s * (chest - r), 0.39 * length), (1.3, s, 0.0)
             )
         self._capsule(trunk, "sternum", (0, 0, 0.30 * length), (0, 0, 0.56 * length), b, SHIRT)
         upper = 0.40 * chest
@@ -253,8 +253,8 @@ class _Builder:
         centre = (-0.005, 0.0, crown)
         for name, direction in (
             ("head.back", (-1, 0, 0.1)),
-            ("head.back_right", (-1, -0.62, -0.05)),
-            ("head.back_left", (-1, 0.62, -0.05)),
+            ("head.back_right", (-1, -0.48, -0.42)),
+            ("head.back_left", (-1, 0.48, 0.34)),
             ("head.top", (0, 0, 1)),
             ("head.right", (0, -1, 0)),
             ("head.left", (0, 1, 0)),
