@@ -89,7 +89,7 @@ def run(
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     console = Console()
-    bound, document = _bind(task, body, tempo, primitives, limits=limits, contacts=contacts)
+    bound = _bind(task, body, tempo, primitives, limits=limits, contacts=contacts)
     from adonis.dancing import Stopped, random_start, run_task
     from adonis.errors import OutputError
     from adonis.reporting import prepare_folder, write_results
@@ -138,7 +138,8 @@ def run(
     _print_results(console, results.judgement, spec.title or spec.task)
     for notice in results.notices:
         console.print(f"[yellow]{notice}[/yellow]")
-    console.print(f"Results are in [bold]{folder}[/bold]: {', '.join(p.name for p in results.files.values())}", soft_wrap=True)  # fmt: skip
+    written = ", ".join(path.name for path in results.files.values())
+    console.print(f"Results are in [bold]{folder}[/bold]: {written}", soft_wrap=True)
     if stopped is not None:
         console.print(f"[red]stopped:[/red] {stopped}", soft_wrap=True)
         raise typer.Exit(INTERRUPTED if "interrupted" in str(stopped) else FAILED)
@@ -159,7 +160,7 @@ def check(
     from rich.console import Console
     from rich.table import Table
 
-    bound, _ = _bind(task, body, tempo, primitives)
+    bound = _bind(task, body, tempo, primitives)
     spec, graph = bound.spec, bound.graph
     table = Table(title=spec.title or spec.task, title_justify="left")
     for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
@@ -185,7 +186,7 @@ def check(
 @app.command()
 def graph(
     task: TaskArgument,
-    format: Annotated[Format, typer.Option("--format", help="How to print it.")] = Format.mermaid,
+    style: Annotated[Format, typer.Option("--format", help="How to print it.")] = Format.mermaid,
     tempo: TempoOption = None,
     primitives: PrimitivesOption = None,
 ) -> None:
@@ -198,7 +199,7 @@ def graph(
     except SpecError as problem:
         _refuse(problem)
     printers = {Format.mermaid: to_mermaid, Format.dot: to_dot, Format.json: to_json}
-    typer.echo(printers[format](made), nl=False)
+    typer.echo(printers[style](made), nl=False)
 
 
 @app.command("list")
@@ -221,7 +222,9 @@ def list_all(primitives: PrimitivesOption = None) -> None:
         names = load_body(name).map
         table.add_row(name, "\n".join(names.limbs), ", ".join(sorted(names.landmarks)))
     console.print(table)
-    table = Table("primitive", "what it does", "parameters", title="Primitives", title_justify="left")
+    table = Table(
+        "primitive", "what it does", "parameters", title="Primitives", title_justify="left"
+    )
     try:
         kinds = available_primitives(_classes(primitives))
     except SpecError as problem:
@@ -238,7 +241,9 @@ def trials(
     task: TaskArgument,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder for the table [default: runs/TASK-trials]."),
+        typer.Option(
+            "--out", metavar="DIR", help="Folder for the table [default: runs/TASK-trials]."
+        ),
     ] = None,
     starts: Annotated[int, typer.Option(min=0, help="How many random start postures.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the start postures.")] = 0,
@@ -286,7 +291,9 @@ def bench(
     from adonis.errors import OutputError
     from adonis.reporting import write_text
 
-    figures = json.dumps(measure(quick=quick, tell=lambda said: typer.echo(said, err=True)), indent=2)
+    figures = json.dumps(
+        measure(quick=quick, tell=lambda said: typer.echo(said, err=True)), indent=2
+    )
     typer.echo(figures)
     if out is not None:
         try:
@@ -325,14 +332,15 @@ def _bind(
     *,
     limits: bool = True,
     contacts: bool = True,
-) -> "tuple[BoundTask, Document]":
+) -> "BoundTask":
     """Read a task and bind it to a body; every mistake in either ends here, with code 2."""
     from sim import BodyError, load_body
     from specs import SpecError, bind_task
 
     spec, document = _load(task, tempo, primitives)
     try:
-        return bind_task(spec, load_body(body, limits=limits, contacts=contacts), document), document
+        on = load_body(body, limits=limits, contacts=contacts)
+        return bind_task(spec, on, document)
     except (BodyError, SpecError) as problem:
         _refuse(problem)
 
@@ -367,7 +375,10 @@ def _print_results(console: object, judgement: "Judgement", title: str) -> None:
         error = allowed = ""
         if worst is not None:
             scale, unit = (1000.0, "mm") if worst.unit == "m" else (1.0, worst.unit)
-            error, allowed = f"{scale * worst.value:.1f} {unit}", f"{scale * worst.limit:.0f} {unit}"
+            error, allowed = (
+                f"{scale * worst.value:.1f} {unit}",
+                f"{scale * worst.limit:.0f} {unit}",
+            )
         table.add_row(
             str(number),
             row["words"] or row["name"],

@@ -1,6 +1,6 @@
 """What can go wrong on this floor.
 
-    OutputError   results that cannot be written where the user asked for them
+OutputError   results that cannot be written where the user asked for them
 """
 
 

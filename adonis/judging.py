@@ -70,7 +70,7 @@ class Verdict:
     @property
     def worst(self) -> Measure | None:
         """The measure that is nearest to its limit, or furthest beyond."""
-        return max(self.measures, key=lambda m: _ratio(m), default=None)
+        return max(self.measures, key=_ratio, default=None)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -271,9 +271,7 @@ class _Measuring:
             checks.append(Measure("upright", off[worst], UPRIGHT, "deg", worst))
         return checks
 
-    def _hand_over(
-        self, task: TaskSpec, spans: dict[str, Span], limits: FloatArray
-    ) -> Measure:
+    def _hand_over(self, task: TaskSpec, spans: dict[str, Span], limits: FloatArray) -> Measure:
         """Largest torque step in 2 ms, of the joints that are being handed over."""
         recording = self.recording
         pace = 0.002 / recording.timestep
@@ -313,17 +311,13 @@ class _Measuring:
                 found.add(name)
         return found
 
-    def _claimed_again(
-        self, subtask: SubTask, task: TaskSpec, spans: dict[str, Span]
-    ) -> float:
+    def _claimed_again(self, subtask: SubTask, task: TaskSpec, spans: dict[str, Span]) -> float:
         """When the next sub-task that claims a joint of this one began, or infinity [s]."""
         own, start = self._joints(_claimed(subtask)), spans[subtask.name].start
         later = [
             spans[s.name].start
             for s in task.subtasks
-            if s.name in spans
-            and spans[s.name].start > start
-            and own & self._joints(_claimed(s))
+            if s.name in spans and spans[s.name].start > start and own & self._joints(_claimed(s))
         ]
         return min(later, default=np.inf)
 

@@ -54,7 +54,7 @@ def run_trials(
     starts: int = 20,
     seed: int = 0,
     threads: int = 2,
-    progress: Callable[[str], None] = lambda said: None,
+    progress: Callable[[str], None] | None = None,
 ) -> list[Trial]:
     """Do a task as it stands, faster and slower, on another body, from anywhere, and pushed.
 
@@ -73,7 +73,9 @@ def run_trials(
     body, other = load_body("adonis"), load_body("adonis-female")
 
     def run(task: BoundTask, conditions: Sequence[str], **options: Any) -> None:
-        progress(conditions[0] if len(conditions) == 1 else f"{len(conditions)} x {conditions[0]}")
+        if progress is not None:
+            more = f" and {len(conditions) - 1} more" if conditions[1:] else ""
+            progress(conditions[0] + more)
         recordings: Sequence[Recording | None]
         try:
             recordings = run_task(
@@ -125,9 +127,8 @@ def write_trials(rows: Sequence[Trial], folder: Path) -> None:
         said = row.as_dict()
         failed = ", ".join(said["failed"]) or "-"
         checks = ", ".join(c["what"] for c in said["checks"] if not c["success"]) or "-"
-        lines.append(
-            f"| {row.condition} | {row.body} | {said['passed']} of {said['of']} | {failed} | {checks} |"
-        )
+        cells = (row.condition, row.body, f"{said['passed']} of {said['of']}", failed, checks)
+        lines.append(f"| {' | '.join(cells)} |")
     write_text(folder / "trials.md", "\n".join(lines) + "\n")
 
 

@@ -1,6 +1,6 @@
 """The arbiter: which primitives are on, how strongly, and what comes out together.
 
-    tau(t) = sum_i a_i(t) phi_i(q, q', t)
+tau(t) = sum_i a_i(t) phi_i(q, q', t)
 """
 
 from collections.abc import Sequence
@@ -164,7 +164,9 @@ class Arbiter:
         self.channels(rows)
         for channel, row in enumerate(rows[simulation]):
             if row >= 0 and not np.isfinite(self._contribution[simulation, channel]).all():
-                joint = int(np.flatnonzero(~np.isfinite(self._contribution[simulation, channel]))[0])
+                joint = int(
+                    np.flatnonzero(~np.isfinite(self._contribution[simulation, channel]))[0]
+                )
                 return ArbiterError(
                     f"{self.names[row]!r} asks for a torque that is not finite at"
                     f" {self.task.body.dof_name(joint)}, {state.time[simulation]:.3f} s"

@@ -1,6 +1,6 @@
 """What can go wrong on this floor.
 
-    ArbiterError   a state of the wrong size, or a primitive whose torque is not finite
+ArbiterError   a state of the wrong size, or a primitive whose torque is not finite
 """
 
 

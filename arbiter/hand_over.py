@@ -10,7 +10,7 @@ add up to one, whatever interrupts what.
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives.compiled import compiled
+from primitives.compiled import Records, compiled
 
 FloatArray = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ def step(s: float) -> float:
         return 0.0
     if s >= 1.0:
         return 1.0
-    return s - np.sin(2.0 * np.pi * s) / (2.0 * np.pi)
+    return float(s - np.sin(2.0 * np.pi * s) / (2.0 * np.pi))
 
 
 @compiled
@@ -35,12 +35,12 @@ def fade_in(elapsed: float, duration: float) -> float:
 def share_left(
     s: int,
     time: float,
-    nodes: NDArray[np.void],
+    nodes: Records,
     claims: NDArray[np.bool_],
     backgrounds: int,
-    slots: NDArray[np.void],
+    slots: Records,
     live: int,
-    log: NDArray[np.void],
+    log: Records,
 ) -> float:
     """What newer sub-tasks leave to slot s, on the first joint that it claims."""
     mine = claims[backgrounds + slots[s].node]
@@ -58,12 +58,12 @@ def share_left(
 @compiled
 def hand_over(
     time: float,
-    nodes: NDArray[np.void],
+    nodes: Records,
     claims: NDArray[np.bool_],
     gives_way: NDArray[np.bool_],
-    slots: NDArray[np.void],
+    slots: Records,
     live: int,
-    log: NDArray[np.void],
+    log: Records,
     contribution: FloatArray,
     weight: FloatArray,
 ) -> None:

@@ -1,7 +1,6 @@
 """One control step of many simulations, compiled: walk, fields, hand-over, combination."""
 
 # The compiled entry point takes arrays one by one, because that is what costs least to call.
-# ruff: noqa: PLR0913
 
 import hashlib
 from collections.abc import Callable
@@ -11,10 +10,6 @@ from typing import Any
 import numba
 import numpy as np
 
-import arbiter.hand_over
-import arbiter.rules
-import arbiter.walk
-import primitives.table
 from arbiter.hand_over import hand_over, share_left
 from arbiter.rules import sum_torques
 from arbiter.walk import begin_subtask, walk

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from primitives.compiled import Records
 from specs import BoundTask
 
 NODE = np.dtype(
@@ -43,7 +44,7 @@ SLOT = np.dtype([("node", np.int32), ("over", np.bool_), ("covered", np.bool_)],
 class Plan:
     """The graph's nodes, their successors, and those that begin at once."""
 
-    nodes: NDArray[np.void]  # NODE (N,)
+    nodes: Records  # NODE (N,)
     successors: NDArray[np.int32]
     roots: NDArray[np.int32]
     waits: NDArray[np.int32]  # (N,) number of predecessors

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arbiter.plan import DONE, PENDING, RUNNING, TIMED_OUT
-from primitives.compiled import compiled
+from primitives.compiled import Records, compiled
 from primitives.mechanics import Row
 from primitives.table import PLAIN, FieldTable, begin_field, field_error
 
@@ -19,9 +19,9 @@ def begin_subtask(
     x: Row,
     table: FieldTable,
     backgrounds: int,
-    slots: NDArray[np.void],
+    slots: Records,
     live: int,
-    log: NDArray[np.void],
+    log: Records,
     memory: FloatArray,
 ) -> int:
     """Switch sub-task k on, in the next free slot; returns the new number of live slots."""
@@ -36,9 +36,9 @@ def begin_subtask(
 
 @compiled
 def drop_covered(
-    slots: NDArray[np.void],
+    slots: Records,
     live: int,
-    log: NDArray[np.void],
+    log: Records,
     memory: FloatArray,
     backgrounds: int,
 ) -> int:
@@ -62,12 +62,12 @@ def walk(
     time: float,
     x: Row,
     table: FieldTable,
-    nodes: NDArray[np.void],
+    nodes: Records,
     successors: NDArray[np.int32],
     backgrounds: int,
-    slots: NDArray[np.void],
+    slots: Records,
     live: int,
-    log: NDArray[np.void],
+    log: Records,
     memory: FloatArray,
     plain_error: FloatArray,
 ) -> int:
@@ -107,8 +107,6 @@ def walk(
                     log[after].start = max(log[after].start, end)
                     log[after].waits -= 1
                     if log[after].waits == 0:
-                        live = begin_subtask(
-                            after, x, table, backgrounds, slots, live, log, memory
-                        )
+                        live = begin_subtask(after, x, table, backgrounds, slots, live, log, memory)
         s += 1
     return live

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from primitives.compiled import Records
 from primitives.compiled_field import CompiledField
 from primitives.errors import PrimitiveError
 from primitives.get_posture import NonNegative, Positive
@@ -51,7 +52,7 @@ class AvoidCollisions(Primitive):
         return GuardField(body, guard, pairs, rows)
 
 
-def _pair(body: Body, capsules: Capsules, one: str, other: str) -> NDArray[np.void]:
+def _pair(body: Body, capsules: Capsules, one: str, other: str) -> Records:
     """A row of PAIR."""
     row = np.zeros(1, dtype=PAIR)
     for end, name in (("a", one), ("b", other)):
@@ -76,9 +77,7 @@ def _ball(capsules: Capsules, own: NDArray[np.intp]) -> tuple[FloatArray, float]
 class GuardField(CompiledField):
     """Repulsion between pairs of links: see `repulsion`."""
 
-    def __init__(
-        self, body: Body, guard: NDArray[np.void], pairs: NDArray[np.void], rows: NDArray[np.void]
-    ) -> None:
+    def __init__(self, body: Body, guard: Records, pairs: Records, rows: Records) -> None:
         super().__init__(body, NO_JOINTS, unit="")
         self._guard, self._pairs, self._capsules = guard, pairs, rows
 

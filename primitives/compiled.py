@@ -9,10 +9,14 @@ from typing import Any, TypeVar
 
 import numba
 
+# Rows of a table with named columns. NumPy's types know nothing of the columns.
+Record = Any
+Records = Any
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
     """Compile a function that other compiled functions call."""
-    made: Function = numba.njit(error_model="numpy")(function)
-    return made
+    made: Any = numba.njit(error_model="numpy")(function)
+    return made  # type: ignore[no-any-return]

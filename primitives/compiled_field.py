@@ -8,8 +8,8 @@ from abc import ABC, abstractmethod
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
+from primitives.compiled import Records
 from primitives.mechanics import Row, dof_table, link_table
 from primitives.primitive import BoolArray, FloatArray, IntArray
 from primitives.table import (
@@ -78,7 +78,7 @@ def _arrays(s: State) -> tuple[FloatArray, ...]:
     return s.qpos, s.qvel, s.xpos, s.xmat, s.cdof, s.subtree_com
 
 
-NO_TOUCH: NDArray[np.void] = np.zeros(0, dtype=TOUCH)
+NO_TOUCH: Records = np.zeros(0, dtype=TOUCH)
 
 
 @numba.njit(error_model="numpy")

@@ -1,6 +1,6 @@
 """What can go wrong on this floor.
 
-    PrimitiveError   a primitive that does not fit the body it is bound to, or an unknown one
+PrimitiveError   a primitive that does not fit the body it is bound to, or an unknown one
 """
 
 

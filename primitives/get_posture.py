@@ -6,6 +6,7 @@ their section 5, whose set point runs through via postures on a spline.
 """
 
 from functools import lru_cache
+from itertools import pairwise
 from typing import Annotated, Literal
 
 import numpy as np
@@ -60,7 +61,9 @@ class GetPosture(Primitive):
     def bind(self, body: Body, duration: float) -> "PostureField":
         """See `Primitive.bind`."""
         claims = body.arm(self.limb).dofs if self.limb else body.joints(self.joints or ())
-        postures = [self._angles(body, claims, p) for p in (*(v.posture for v in self.via), self.posture)]
+        postures = [
+            self._angles(body, claims, p) for p in (*(v.posture for v in self.via), self.posture)
+        ]
         stiffness, damping = np.zeros(body.nv), np.zeros(body.nv)
         for dof in claims:
             servo = body.servo(int(dof))
@@ -99,21 +102,22 @@ def via_times(given: list[float | None]) -> tuple[float, ...]:
         PrimitiveError: they do not rise.
     """
     count = len(given)
-    times = [
-        (k + 1) / (count + 1) if at is None else float(at) for k, at in enumerate(given)
-    ]
+    times = [(k + 1) / (count + 1) if at is None else float(at) for k, at in enumerate(given)]
     whole = (0.0, *times, 1.0)
-    if any(b <= a for a, b in zip(whole, whole[1:], strict=False)):
+    if any(b <= a for a, b in pairwise(whole)):
         shown = ", ".join(f"{t:.2g}" for t in times)
         raise PrimitiveError(f"the times of via points must rise between 0 and 1, not {shown}")
     return whole
 
 
 @lru_cache(maxsize=4096)
-def _said(body: Body, limb: str | None, words: tuple[tuple[str, float | Direction], ...]) -> FloatArray:
+def _said(
+    body: Body, limb: str | None, words: tuple[tuple[str, float | Direction], ...]
+) -> FloatArray:
     """Angles (nv,) [rad] of a posture said part by part; NaN where it says nothing."""
     said = dict(words)
-    about_arm = {key: said.pop(key) for key in ("arm", "palm", "elbow") if key in said}
+    parts = ("arm", "palm", "elbow")
+    about_arm: dict[str, float | Direction] = {p: said.pop(p) for p in parts if p in said}
     angles = np.full(body.nv, np.nan)
     if limb is None and about_arm:
         raise PrimitiveError(f"{', '.join(about_arm)}: only a posture of a limb can say this")

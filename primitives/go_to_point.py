@@ -8,10 +8,10 @@ Its controller is the impedance of their section 7.
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, model_validator
 from pydantic import Field as Parameter
 
+from primitives.compiled import Records
 from primitives.compiled_field import CompiledField
 from primitives.get_posture import (
     BACKGROUND_SETTLING,
@@ -109,7 +109,7 @@ class GoToPoint(Primitive):
         return ReachField(body, arm, reach, points, self.profile, times, moving)
 
 
-def _locate(body: Body, arm: Arm, place: Place) -> NDArray[np.void]:
+def _locate(body: Body, arm: Arm, place: Place) -> Records:
     """A row of POINT."""
     row = np.zeros(1, dtype=POINT)
     if place.near is not None:
@@ -130,8 +130,8 @@ class ReachField(CompiledField):
         self,
         body: Body,
         arm: Arm,
-        reach: NDArray[np.void],
-        points: NDArray[np.void],
+        reach: Records,
+        points: Records,
         profile: Profile,
         times: tuple[float, ...],
         duration: float,

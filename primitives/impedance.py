@@ -11,7 +11,7 @@ g(theta) of eq 9 is the primitive compensate-gravity, added once for the whole b
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives.compiled import compiled
+from primitives.compiled import Record, Records, compiled
 from primitives.mechanics import (
     Row,
     add,
@@ -69,25 +69,25 @@ REACH = np.dtype(
 )
 POINT = np.dtype([("link", np.int32), ("point", *_VECTOR)], align=True)
 PALM_WAITS = 0.3  # share of the movement for which the palm keeps its place on the forearm
+LOOSELY = 0.2  # how firmly fingers that are free are kept in line with the forearm
 REMEMBERED = 12  # start of the palm, and of its normal, fingers and upper arm, in the root's frame
 
 
 @compiled
-def upper_arm_direction(x: Row, r: np.void) -> tuple[float, float, float]:
+def upper_arm_direction(x: Row, r: Record) -> tuple[float, float, float]:
     """Unit vector from shoulder to elbow."""
     return unit(subtract(vector(x.xpos[r.forearm]), vector(x.xpos[r.upper_arm])))
 
 
 @compiled
-def palm_position(x: Row, r: np.void) -> tuple[float, float, float]:
+def palm_position(x: Row, r: Record) -> tuple[float, float, float]:
     """Centre of the palm in the world."""
     return to_world(x, r.hand, vector(r.palm))
 
 
 @compiled
-def begin_reach(x: Row, r: np.void, memory: FloatArray) -> None:
-    """Remember where the palm and the upper arm are, seen from the link that carries the arm,
-    and how the hand is turned, seen from the forearm."""
+def begin_reach(x: Row, r: Record, memory: FloatArray) -> None:
+    """Remember where palm and upper arm are, and how the hand is turned on the forearm."""
     memory[0:3] = to_link(x, r.root, palm_position(x, r))
     wrist = x.xmat[r.forearm]
     memory[3:6] = unrotate(wrist, rotate(x.xmat[r.hand], vector(r.palm_normal)))
@@ -98,8 +98,8 @@ def begin_reach(x: Row, r: np.void, memory: FloatArray) -> None:
 @compiled
 def impedance(
     x: Row,
-    r: np.void,
-    points: NDArray[np.void],
+    r: Record,
+    points: Records,
     memory: FloatArray,
     share: float,
     weight: FloatArray,
@@ -148,11 +148,12 @@ def impedance(
         goal = rotate(frame, vector(r.fingers_goal))
     else:
         goal = unit(subtract(vector(x.xpos[r.hand]), vector(x.xpos[r.forearm])))
+    firmness = 1.0 if r.turns_fingers else LOOSELY
     fingers = turn_between(rotate(wrist, vector(memory[6:9])), goal, late)
     fingers = unit(subtract(fingers, scale(dot(fingers, normal), normal)))
     moment = add(
         turn_error(rotate(x.xmat[r.hand], vector(r.palm_normal)), normal),
-        turn_error(rotate(x.xmat[r.hand], vector(r.fingers)), fingers),
+        scale(firmness, turn_error(rotate(x.xmat[r.hand], vector(r.fingers)), fingers)),
     )
     spin = twist(x, r.hand)[0]
     moment = subtract(scale(r.turn_stiffness, moment), scale(r.turn_damping, spin))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives.compiled import compiled
+from primitives.compiled import Records, compiled
 from sim import Body
 
 FloatArray = NDArray[np.float64]
@@ -22,7 +22,7 @@ DOF = np.dtype(
 )
 
 
-def link_table(body: Body) -> NDArray[np.void]:
+def link_table(body: Body) -> Records:
     """Per link: the degree of freedom nearest to it, its tree's root, the mass it carries."""
     model = body.model
     table = np.zeros(model.nbody, dtype=LINK)
@@ -36,7 +36,7 @@ def link_table(body: Body) -> NDArray[np.void]:
     return table
 
 
-def dof_table(body: Body) -> NDArray[np.void]:
+def dof_table(body: Body) -> Records:
     """Per degree of freedom: the next one towards the root, its link, and its motor's limit."""
     model = body.model
     table = np.zeros(model.nv, dtype=DOF)
@@ -56,8 +56,8 @@ class Row(NamedTuple):
     xmat: FloatArray  # (nbody, 9)
     cdof: FloatArray  # (nv, 6)
     com: FloatArray  # (nbody, 3)
-    links: NDArray[np.void]
-    dofs: NDArray[np.void]
+    links: Records
+    dofs: Records
 
 
 Vector = tuple[float, float, float]

@@ -1,6 +1,6 @@
 """Controller pd-servo: every joint follows its desired angle.
 
-    tau = k (theta_d - theta) + k_d (theta_d' - theta')        (Mataric et al. 1999, eq 1)
+tau = k (theta_d - theta) + k_d (theta_d' - theta')        (Mataric et al. 1999, eq 1)
 """
 
 import numpy as np

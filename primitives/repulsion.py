@@ -12,7 +12,7 @@ and mobile robots", IJRR 5(1)) that is zero at the range d_0 and grows smoothly 
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives.compiled import compiled
+from primitives.compiled import Record, Records, compiled
 from primitives.mechanics import (
     Row,
     add,
@@ -81,10 +81,10 @@ def closest_points(a0: Vector, a1: Vector, b0: Vector, b1: Vector) -> tuple[Vect
 @compiled
 def repel(
     x: Row,
-    guard: np.void,
-    pairs: NDArray[np.void],
-    capsules: NDArray[np.void],
-    touches: NDArray[np.void],
+    guard: Record,
+    pairs: Records,
+    capsules: Records,
+    touches: Records,
     out: FloatArray,
 ) -> None:
     """out += the torques [N m] that keep the guarded links apart.

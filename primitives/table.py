@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives.compiled import compiled
+from primitives.compiled import Record, Records, compiled
 from primitives.gravity import carry_weight
 from primitives.impedance import POINT, REACH, REMEMBERED, begin_reach, impedance, palm_position
 from primitives.mechanics import Row, dot, subtract, to_world, vector
@@ -44,14 +44,14 @@ FIELD = np.dtype(
 class FieldTable(NamedTuple):
     """All fields of a task; see the dtypes for the columns."""
 
-    fields: NDArray[np.void]  # FIELD (f,)
+    fields: Records  # FIELD (f,)
     claims: NDArray[np.bool_]  # (f, nv)
     numbers: FloatArray  # set-point curves, gains and postures, end to end
-    reaches: NDArray[np.void]  # REACH
-    points: NDArray[np.void]  # POINT
-    guards: NDArray[np.void]  # GUARD
-    pairs: NDArray[np.void]  # PAIR
-    capsules: NDArray[np.void]  # CAPSULE
+    reaches: Records  # REACH
+    points: Records  # POINT
+    guards: Records  # GUARD
+    pairs: Records  # PAIR
+    capsules: Records  # CAPSULE
 
 
 class TableBuilder:
@@ -64,9 +64,10 @@ class TableBuilder:
         self._numbers: list[FloatArray] = []
         self._used = 0
         self._curves: dict[tuple[Profile, tuple[float, ...]], int] = {}
-        self._records: dict[np.dtype[np.void], list[NDArray[np.void]]] = {
+        self._records: dict[np.dtype[np.void], list[Records]] = {
             kind: [] for kind in (REACH, POINT, GUARD, PAIR, CAPSULE)
         }
+        self._counts = dict.fromkeys(self._records, 0)
 
     def field(
         self,
@@ -101,21 +102,18 @@ class TableBuilder:
             self._curves[key] = self.numbers(np.array(times), knot_weights(profile, times))
         return self._curves[key]
 
-    def records(self, rows: NDArray[np.void]) -> int:
+    def records(self, rows: Records) -> int:
         """Add rows of one of the record types; returns the number of the first."""
         kept = self._records[rows.dtype]
-        at = sum(len(r) for r in kept) if len(kept) < 2 else self._merge(kept)
+        at = self._counts[rows.dtype]
         kept.append(rows)
+        self._counts[rows.dtype] += len(rows)
         return at
-
-    @staticmethod
-    def _merge(kept: list[NDArray[np.void]]) -> int:
-        return sum(len(r) for r in kept)
 
     def build(self) -> FieldTable:
         """The table of everything that was added."""
 
-        def joined(kind: np.dtype[np.void]) -> NDArray[np.void]:
+        def joined(kind: np.dtype[np.void]) -> Records:
             rows = self._records[kind]
             return np.concatenate(rows) if rows else np.zeros(0, dtype=kind)
 
@@ -156,7 +154,7 @@ def add_torque(
     x: Row,
     memory: FloatArray,
     t: float,
-    touches: NDArray[np.void],
+    touches: Records,
     scratch: FloatArray,
     out: FloatArray,
 ) -> None:
@@ -186,9 +184,7 @@ def add_torque(
             rate[k] /= field.duration
         if field.kind == POSTURE:
             own = table.numbers[field.row : field.row + nv * (knots + 1)]
-            pd_servo(
-                x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv :], weight, rate, out
-            )
+            pd_servo(x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv :], weight, rate, out)
         else:
             reach = table.reaches[field.row]
             impedance(x, reach, table.points, memory, share, weight, rate, out)
@@ -219,7 +215,7 @@ def field_error(table: FieldTable, f: int, x: Row) -> float:
 
 
 @compiled
-def touch_of(table: FieldTable, f: int, t: float, touch: np.void) -> bool:
+def touch_of(table: FieldTable, f: int, t: float, touch: Record) -> bool:
     """Fill in `touch` if field f brings a hand to a link; its share grows with the set point."""
     field = table.fields[f]
     if field.kind != REACHING or table.reaches[field.row].touched < 0:

@@ -223,7 +223,12 @@ class _Builder:
         self._capsule(trunk, "sternum", (0, 0, 0.30 * length), (0, 0, 0.56 * length), b, SHIRT)
         upper = 0.40 * chest
         self._capsule(
-            trunk, "upper_chest", (0, -upper, 0.74 * length), (0, upper, 0.74 * length), 0.068, SHIRT
+            trunk,
+            "upper_chest",
+            (0, -upper, 0.74 * length),
+            (0, upper, 0.74 * length),
+            0.068,
+            SHIRT,
         )
         self._capsule(
             trunk, "neck_base", (-0.005, 0, 0.88 * length), (0, 0, 1.02 * length), 0.050, SKIN
@@ -299,8 +304,12 @@ class _Builder:
         self._joints(hand, (f"{side}_wrist_z", f"{side}_wrist_x", f"{side}_wrist_y"))
         _hanging(hand, ha)
         half = 0.070 * ha.length  # half thickness of palm and fingers
-        for finger, x, tip in (("index", 0.150, 0.90), ("middle", 0.0, 1.0), ("little", -0.150, 0.86)):
-            x *= ha.length
+        for finger, aside, tip in (
+            ("index", 0.150, 0.90),
+            ("middle", 0.0, 1.0),
+            ("little", -0.150, 0.86),
+        ):
+            x = aside * ha.length
             self._capsule(
                 hand,
                 f"{side}_{finger}",
@@ -411,4 +420,3 @@ def _inertial(link: Any, mass: float, com: Vector, inertia: tuple[float, float, 
 def _hanging(link: Any, segment: Segment) -> None:
     """Inertia of a segment that hangs down from its joint."""
     _inertial(link, segment.mass, (0.0, 0.0, -segment.com), segment.inertia)
-

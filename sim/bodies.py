@@ -25,8 +25,8 @@ SPRING = Spring(
     damping=85.0,
     turn_stiffness=20.0,
     turn_damping=0.9,
-    upper_arm_stiffness=50.0,
-    upper_arm_damping=4.0,
+    upper_arm_stiffness=30.0,
+    upper_arm_damping=3.0,
     shoulder_damping=1.0,
 )
 

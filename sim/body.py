@@ -88,9 +88,7 @@ class Body:
         self.nv: int = model.nv
         self.timestep: float = model.opt.timestep
         hinges = {
-            model.joint(j).name: j
-            for j in range(model.njnt)
-            if model.jnt_type[j] in _ONE_DOF
+            model.joint(j).name: j for j in range(model.njnt) if model.jnt_type[j] in _ONE_DOF
         }
         self._joint_ids: Mapping[str, int] = hinges
         self._dof_names = {int(model.jnt_dofadr[j]): name for name, j in hinges.items()}

@@ -26,7 +26,7 @@ class Servo(_Frozen):
 
 
 class Spring(_Frozen):
-    """Gains of the virtual springs that pull a hand, when a task does not say otherwise (eq 7-9)."""
+    """Gains of the springs that pull a hand, when a task does not say otherwise (eq 7-9)."""
 
     stiffness: Positive  # hand translation [N/m]
     damping: NonNegative  # [N s/m]

@@ -1,10 +1,10 @@
 """What can go wrong on this floor.
 
-    SimError
-    ├── BodyError       a model or body map that does not fit, a name that does not exist
-    ├── Diverged        the simulation left the finite numbers
-    ├── RecordingError  a recording that cannot be read or written
-    └── NoDisplay       this machine has no OpenGL backend to render with
+SimError
+├── BodyError       a model or body map that does not fit, a name that does not exist
+├── Diverged        the simulation left the finite numbers
+├── RecordingError  a recording that cannot be read or written
+└── NoDisplay       this machine has no OpenGL backend to render with
 """
 
 from collections.abc import Iterable

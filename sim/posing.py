@@ -80,7 +80,8 @@ def pose(body: Body, arm: Arm, words: ArmWords) -> FloatArray:
         if cost < least - 1e-9:
             best, least = solution.ravel(), cost
     residual(best.reshape(-1, 1))
-    worst = max((2.0 * np.arcsin(min(np.linalg.norm(m) / 2.0, 1.0)) for m in misses()), default=0.0)
+    chords = [float(np.linalg.norm(m)) for m in misses()]
+    worst = 2.0 * np.arcsin(min(max(chords, default=0.0) / 2.0, 1.0))
     if worst > TOLERANCE:
         raise BodyError(
             f"{arm.name} cannot be held so: {np.rad2deg(worst):.0f} degrees off at best,"

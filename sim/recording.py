@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, BinaryIO
+from zipfile import BadZipFile
 
 import mujoco
 import numpy as np
@@ -117,13 +118,13 @@ class Recording:
                 return cls._from_npz(path)
             if part.exists():
                 return cls._from_part(part)
-        except (OSError, ValueError, KeyError, EOFError) as problem:
+        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as problem:
             raise RecordingError(f"cannot read {path}: {problem}") from None
         raise RecordingError(f"there is no recording at {path}")
 
     @classmethod
     def _from_npz(cls, path: Path) -> "Recording":
-        with np.load(path, allow_pickle=False) as f:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as f:
             spans = zip(
                 f["span_name"], f["span_start"], f["span_end"], f["span_outcome"], strict=True
             )

@@ -136,7 +136,7 @@ def _try(task: Path, backend: str, progress: Callable[[float], None] | None) -> 
     worker = subprocess.Popen(
         command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    assert worker.stdout is not None and worker.stderr is not None
+    assert worker.stdout is not None
     for line in worker.stdout:
         if progress is not None and line.startswith("progress "):
             progress(float(line.split()[1]))

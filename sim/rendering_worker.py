@@ -3,9 +3,11 @@
 import json
 import sys
 import textwrap
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import imageio_ffmpeg
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +55,7 @@ class Camera:
             mujoco.mj_kinematics(self.model, self._data)
             points.append(self._data.site(site).xpos.copy())
         scene = self._renderer.scene
-        for start, end in zip(points, points[1:], strict=False):
+        for start, end in pairwise(points):
             if scene.ngeom >= scene.maxgeom or np.linalg.norm(end - start) < 1e-3:
                 continue
             geom = scene.geoms[scene.ngeom]
@@ -85,8 +87,6 @@ def filmstrip(recording: Recording, job: dict[str, Any]) -> None:
 
 def video(recording: Recording, job: dict[str, Any]) -> None:
     """The whole recording in real time."""
-    import imageio_ffmpeg
-
     camera = Camera(recording, job["view"], job["size"])
     count = max(1, int(recording.time[-1] * job["fps"]))
     writer = imageio_ffmpeg.write_frames(

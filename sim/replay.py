@@ -108,18 +108,13 @@ class Replay:
             within: distances beyond this are not measured [m].
         """
         couples = [
-            (a, b)
-            for one, other in pairs
-            for a in self._geoms(one)
-            for b in self._geoms(other)
+            (a, b) for one, other in pairs for a in self._geoms(one) for b in self._geoms(other)
         ]
         best = Closest(within, 0.0, ("", ""))
         for k in range(0, len(self.recording.time), every):
             self._set(k)
             for a, b in couples:
-                distance = mujoco.mj_geomDistance(
-                    self.model, self._data, a, b, best.distance, None
-                )
+                distance = mujoco.mj_geomDistance(self.model, self._data, a, b, best.distance, None)
                 if distance < best.distance:
                     names = self.model.geom(a).name, self.model.geom(b).name
                     best = Closest(float(distance), float(self.recording.time[k]), names)

@@ -90,7 +90,7 @@ class World:
         Raises:
             Diverged: with the simulation, the time, and MuJoCo's own warning.
         """
-        warned = self._batch.warning
+        warned = self._batch.warning[:, :, 1]  # how often each kind was raised
         finite = np.isfinite(self.state.qvel).all(axis=1) & np.isfinite(self.state.qpos).all(axis=1)
         bad = np.flatnonzero(warned.any(axis=1) | ~finite)
         if bad.size:

@@ -55,7 +55,8 @@ def primitives_in(source: str) -> list[type[Primitive]]:
                 raise SpecError("no such file", file=source)
             name = f"_primitives_of_{path.stem}"
             found = importlib.util.spec_from_file_location(name, path)
-            assert found is not None and found.loader is not None
+            if found is None or found.loader is None:
+                raise SpecError("is not a Python file", file=source)
             module = importlib.util.module_from_spec(found)
             sys.modules[name] = module
             found.loader.exec_module(module)

@@ -1,6 +1,6 @@
 """What can go wrong on this floor.
 
-    SpecError   a task that cannot be read, makes no sense, or does not fit a body
+SpecError   a task that cannot be read, makes no sense, or does not fit a body
 """
 
 from dataclasses import dataclass

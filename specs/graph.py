@@ -7,7 +7,6 @@ from functools import cached_property
 import networkx as nx
 
 from sim import unknown
-from specs.errors import SpecError
 from specs.reading import Document
 from specs.task import SubTask, TaskSpec
 
@@ -83,8 +82,7 @@ def to_mermaid(task: TaskGraph) -> str:
     """The graph as a Mermaid flowchart."""
     ids = {name: f"s{i}" for i, name in enumerate(task.order)}
     lines = ["flowchart TD"]
-    for name in task.order:
-        lines.append(f'    {ids[name]}["{_label(task, name, "<br>")}"]')
+    lines += [f'    {ids[name]}["{_label(task, name, "<br>")}"]' for name in task.order]
     lines += [f"    {ids[a]} --> {ids[b]}" for a, b in _edges(task)]
     return "\n".join(lines) + "\n"
 

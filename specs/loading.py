@@ -92,9 +92,7 @@ def _steps(
 ) -> tuple[Model, ...]:
     if not isinstance(items, list):
         raise document.error(f"{path[-1]}: expected a list, each item with - in front", path)
-    return tuple(
-        _step(document, (*path, i), item, model, kinds) for i, item in enumerate(items)
-    )
+    return tuple(_step(document, (*path, i), item, model, kinds) for i, item in enumerate(items))
 
 
 def _step(
@@ -142,11 +140,9 @@ def _inside(data: Any, loc: tuple[str | int, ...]) -> Path_:
     """The part of a location that exists in the data: pydantic adds names of union members."""
     path: list[str | int] = []
     for step in loc:
-        if isinstance(data, dict) and step in data:
+        try:
             data = data[step]
-        elif isinstance(data, list | tuple) and isinstance(step, int) and step < len(data):
-            data = data[step]
-        else:
+        except (KeyError, IndexError, TypeError):
             continue
         path.append(step)
     return tuple(path)

@@ -133,7 +133,7 @@ class _Builder:
             result[key] = self.build(value_node, own, depth + 1)
         return result
 
-    def _scalar(self, node: ScalarNode, path: Path_) -> Any:
+    def _scalar(self, node: Node, path: Path_) -> Any:
         kind = str(node.tag).rpartition(":")[2]
         constructor = self._yaml.constructor
         try:

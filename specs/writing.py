@@ -18,7 +18,7 @@ def task_to_yaml(spec: TaskSpec) -> str:
     if spec.background:
         whole["background"] = [_step(b) for b in spec.background]
     whole["subtasks"] = [_step(s) for s in spec.subtasks]
-    yaml = YAML(typ="safe", pure=True)
+    yaml: Any = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None
     yaml.sort_base_mapping_type_on_output = False
     yaml.width = 100
