@@ -69,7 +69,7 @@ REACH = np.dtype(
 )
 POINT = np.dtype([("link", np.int32), ("point", *_VECTOR)], align=True)
 PALM_WAITS = 0.3  # share of the movement for which the palm keeps its place on the forearm
-LOOSELY = 0.2  # how firmly fingers that are free are kept in line with the forearm
+LOOSELY = 0.2  # how firmly, in the end, fingers that are free keep in line with the forearm
 REMEMBERED = 12  # start of the palm, and of its normal, fingers and upper arm, in the root's frame
 
 
@@ -148,7 +148,7 @@ def impedance(
         goal = rotate(frame, vector(r.fingers_goal))
     else:
         goal = unit(subtract(vector(x.xpos[r.hand]), vector(x.xpos[r.forearm])))
-    firmness = 1.0 if r.turns_fingers else LOOSELY
+    firmness = 1.0 if r.turns_fingers else 1.0 - (1.0 - LOOSELY) * late
     fingers = turn_between(rotate(wrist, vector(memory[6:9])), goal, late)
     fingers = unit(subtract(fingers, scale(dot(fingers, normal), normal)))
     moment = add(

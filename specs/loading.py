@@ -128,12 +128,17 @@ def _validate(document: Document, path: Path_, data: Any, model: type[Model]) ->
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        problems = error.errors(include_url=False)
-        rank = {"extra_forbidden": 0, "missing": 1}
-        problem = min(problems, key=lambda p: rank.get(p["type"], 2))
+        problem = min(error.errors(include_url=False), key=_rank)
         place = (*path, *_inside(data, problem["loc"]))
         message = _said(dict(problem), place, model)
         raise document.error(message, place, key=problem["type"] == "extra_forbidden") from None
+
+
+def _rank(problem: Any) -> int:
+    """The most telling problem first; of alternatives, the one that was meant."""
+    other_kind = problem["type"] == "string_type" and isinstance(problem["input"], dict | list)
+    ranks = {"extra_forbidden": 0, "missing": 1, "value_error": 2}
+    return 4 if other_kind else ranks.get(problem["type"], 3)
 
 
 def _inside(data: Any, loc: tuple[str | int, ...]) -> Path_:
@@ -160,6 +165,8 @@ def _said(problem: dict[str, Any], place: Path_, model: type[BaseModel]) -> str:
         return str(problem["ctx"]["error"])
     if kind.startswith("model_") or kind in ("dict_type", "mapping_type"):
         return f"{name}: expected keys and values, not {_short(given)}"
+    if kind == "string_pattern_mismatch":
+        return f"{name} is made of letters, digits, '-', '_' and '.', not {_short(given)}"
     said = str(problem["msg"])
     said = said.removeprefix("Input ").removeprefix("Value ")
     return f"{name} {said}, not {_short(given)}"

@@ -63,7 +63,7 @@ class TaskSpec(BaseModel):
     source: str = ""  # where the words come from
     tempo: Annotated[float, Field(ge=1, le=1000)] = 60.0  # beats per minute
     start: str | None = None  # posture of the body to begin in; default: its home
-    hand_over: NonNegative = 0.15  # [s] cross-fade between sub-tasks that claim the same joints
+    hand_over: NonNegative = 0.1  # [s] cross-fade between sub-tasks that claim the same joints
     coda: NonNegative = 1.0  # beats for which the last goals are held
     background: tuple[Background, ...] = ()
     subtasks: Annotated[tuple[SubTask, ...], Field(min_length=1)]
