@@ -62,7 +62,7 @@ def run_task(
     body = task.body
     world = World(body, n, threads=threads, pushes=pushes)
     world.reset(task.start if start is None else start)
-    arbiter = Arbiter(task, n)
+    arbiter = Arbiter(task, n, threads=threads)
     recorder = Recorder(
         body,
         n,

@@ -4,6 +4,8 @@ tau(t) = sum_i a_i(t) phi_i(q, q', t)
 """
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,7 @@ from sim import Span, State
 from specs import BoundTask
 
 FloatArray = NDArray[np.float64]
+SHARE_FROM = 256  # simulations: below, waking another thread costs more than it saves
 
 
 class Arbiter:
@@ -30,11 +33,15 @@ class Arbiter:
     Args:
         task: what to do, on which body.
         n: number of simulations.
+        threads: on which a large batch is shared out; the result does not depend on it.
     """
 
-    def __init__(self, task: BoundTask, n: int = 1) -> None:
+    def __init__(self, task: BoundTask, n: int = 1, *, threads: int = 1) -> None:
         self.task = task
         self.n = n
+        self._crew = ThreadPoolExecutor(threads) if threads > 1 and n >= SHARE_FROM else None
+        edges = np.linspace(0, n, threads + 1).astype(int) if self._crew else [0, n]
+        self._shares = tuple(pairwise(int(e) for e in edges))
         self.plan: Plan = make_plan(task)
         self.names: tuple[str, ...] = (
             *(b.name for b in task.spec.background),
@@ -61,10 +68,12 @@ class Arbiter:
         self._torque = np.zeros((n, body.nv))
         gives_way = np.array([len(f.claims) > 0 for f in task.background], dtype=np.bool_)
         touches = np.zeros((n, slots + 1), dtype=TOUCH)
-        self._before = (link_table(body), dof_table(body), *table)
-        self._before += (gives_way, self.plan.nodes, self.plan.successors, self.plan.roots)
-        self._after = (self._live, self._slots, self._log, self._memory, touches)
-        self._after += (self._plain_torque, self._plain_error, self._contribution, self._torque)
+        self._tables: tuple[object, ...] = (
+            *(link_table(body), dof_table(body), *table),
+            *(gives_way, self.plan.nodes, self.plan.successors, self.plan.roots),
+            *(self._live, self._slots, self._log, self._memory, touches),
+            *(self._plain_torque, self._plain_error, self._contribution, self._torque),
+        )
         self._bound: tuple[State, tuple[object, ...]] | None = None
         self.reset()
 
@@ -86,11 +95,11 @@ class Arbiter:
         """
         arrays = self._arrays(state)
         if self._plain:
-            control(WALK, 0, self.n, *arrays)
+            self._control(WALK, arrays)
             self._ask_plain(state)
-            bad = control(ACT, 0, self.n, *arrays)
+            bad = self._control(ACT, arrays)
         else:
-            bad = control(WALK | ACT, 0, self.n, *arrays)
+            bad = self._control(WALK | ACT, arrays)
         if bad >= 0:
             raise self._not_finite(state, bad)
         return self._torque
@@ -128,6 +137,14 @@ class Arbiter:
 
     # --- inside ---------------------------------------------------------------------------
 
+    def _control(self, what: int, arrays: tuple[object, ...]) -> int:
+        """Run the compiled step; returns a simulation whose torque is not finite, or -1."""
+        if self._crew is None:
+            return control(what, 0, self.n, *arrays)
+        jobs = [self._crew.submit(control, what, a, b, *arrays) for a, b in self._shares[1:]]
+        own = control(what, *self._shares[0], *arrays)
+        return max(own, *(job.result() for job in jobs))
+
     def _arrays(self, state: State) -> tuple[object, ...]:
         if self._bound is None or self._bound[0] is not state:
             if state.n != self.n or state.qvel.shape[1] != self.task.body.nv:
@@ -135,9 +152,8 @@ class Arbiter:
                     f"this arbiter runs {self.n} simulations of {self.task.body.nv} degrees of"
                     f" freedom; the state has {state.n} of {state.qvel.shape[1]}"
                 )
-            own = (state.time, state.qpos, state.qvel, state.xpos, state.xmat)
-            own += (state.cdof, state.subtree_com)
-            self._bound = state, (*own, *self._before, *self._after)
+            seen = (state.time, state.qpos, state.qvel, state.xpos, state.xmat)
+            self._bound = state, (*seen, state.cdof, state.subtree_com, *self._tables)
         return self._bound[1]
 
     def _ask_plain(self, state: State) -> None:

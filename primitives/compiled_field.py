@@ -5,11 +5,11 @@ field is a table of one.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 
-import numba
 import numpy as np
 
-from primitives.compiled import Records
+from primitives.compiled import Records, compiled_entry, fingerprint
 from primitives.mechanics import Row, dof_table, link_table
 from primitives.primitive import BoolArray, FloatArray, IntArray
 from primitives.table import (
@@ -48,7 +48,9 @@ class CompiledField(ABC):
     def torque(self, state: State, t: FloatArray) -> FloatArray:
         """Torques (n, nv) [N m], t (n,) [s] after being switched on."""
         alone, out = self._table(), np.zeros((state.n, self._body.nv))
-        _torque(alone.table, *_arrays(state), alone.links, alone.dofs, alone.memory, t, out)
+        _torque(
+            alone.table, *_arrays(state), alone.links, alone.dofs, alone.memory, t, NO_TOUCH, out
+        )
         return out
 
     def error(self, state: State) -> FloatArray:
@@ -81,24 +83,33 @@ def _arrays(s: State) -> tuple[FloatArray, ...]:
 NO_TOUCH: Records = np.zeros(0, dtype=TOUCH)
 
 
-@numba.njit(error_model="numpy")
-def _begin(table, qpos, qvel, xpos, xmat, cdof, com, links, dofs, who, memory):  # type: ignore[no-untyped-def]
-    for i in range(len(qpos)):
-        if who[i]:
+def _make(code: str) -> tuple[Callable[..., None], Callable[..., None], Callable[..., None]]:
+    """The three loops over simulations; `code` is the fingerprint that they capture."""
+
+    @compiled_entry
+    def begin(table, qpos, qvel, xpos, xmat, cdof, com, links, dofs, who, memory):  # type: ignore[no-untyped-def]
+        len(code)
+        for i in range(len(qpos)):
+            if who[i]:
+                x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], com[i], links, dofs)
+                begin_field(table, 0, x, memory[i])
+
+    @compiled_entry
+    def torque(table, qpos, qvel, xpos, xmat, cdof, com, links, dofs, memory, t, none, out):  # type: ignore[no-untyped-def]
+        len(code)
+        scratch = np.zeros((2, MOST_KNOTS))
+        for i in range(len(qpos)):
             x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], com[i], links, dofs)
-            begin_field(table, 0, x, memory[i])
+            add_torque(table, 0, x, memory[i], t[i], none, scratch, out[i])
+
+    @compiled_entry
+    def error(table, qpos, qvel, xpos, xmat, cdof, com, links, dofs, out):  # type: ignore[no-untyped-def]
+        len(code)
+        for i in range(len(qpos)):
+            x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], com[i], links, dofs)
+            out[i] = field_error(table, 0, x)
+
+    return begin, torque, error
 
 
-@numba.njit(error_model="numpy")
-def _torque(table, qpos, qvel, xpos, xmat, cdof, com, links, dofs, memory, t, out):  # type: ignore[no-untyped-def]
-    scratch = np.zeros((2, MOST_KNOTS))
-    for i in range(len(qpos)):
-        x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], com[i], links, dofs)
-        add_torque(table, 0, x, memory[i], t[i], NO_TOUCH, scratch, out[i])
-
-
-@numba.njit(error_model="numpy")
-def _error(table, qpos, qvel, xpos, xmat, cdof, com, links, dofs, out):  # type: ignore[no-untyped-def]
-    for i in range(len(qpos)):
-        x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], com[i], links, dofs)
-        out[i] = field_error(table, 0, x)
+_begin, _torque, _error = _make(fingerprint())

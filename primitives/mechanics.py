@@ -167,14 +167,9 @@ def point_velocity(x: Row, link: int, point: Vector) -> Vector:
 @compiled
 def axis_torque(axis: FloatArray, moment: Vector, force: Vector) -> float:
     """Torque about one motion axis of a wrench that is taken about c."""
-    return (
-        axis[0] * moment[0]
-        + axis[1] * moment[1]
-        + axis[2] * moment[2]
-        + axis[3] * force[0]
-        + axis[4] * force[1]
-        + axis[5] * force[2]
-    )
+    angular = (axis[0], axis[1], axis[2])
+    linear = (axis[3], axis[4], axis[5])
+    return dot(angular, moment) + dot(linear, force)
 
 
 @compiled
@@ -200,7 +195,7 @@ def turn_between(start: Vector, goal: Vector, share: float) -> Vector:
         length = np.sqrt(dot(aside, aside))
         if length < 1e-6:
             aside, length = (1.0, 0.0, 0.0), 1.0
-    angle = share * np.arccos(cosine)
+    angle: float = share * np.arccos(cosine)
     return add(scale(np.cos(angle), start), scale(np.sin(angle) / length, aside))
 
 

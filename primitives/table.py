@@ -210,7 +210,7 @@ def field_error(table: FieldTable, f: int, x: Row) -> float:
         reach = table.reaches[field.row]
         p = table.points[reach.points + field.knots - 2]
         gap = subtract(to_world(x, p.link, vector(p.point)), palm_position(x, reach))
-        return np.sqrt(dot(gap, gap))
+        return float(np.sqrt(dot(gap, gap)))
     return 0.0
 
 

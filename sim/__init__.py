@@ -9,7 +9,7 @@ from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
 from sim.state import State
-from sim.world import Push, World
+from sim.world import BareWorld, Push, World
 
 __all__ = [
     "BODIES",
@@ -17,6 +17,7 @@ __all__ = [
     "VIEWS",
     "Arm",
     "ArmWords",
+    "BareWorld",
     "Body",
     "BodyError",
     "BodyMap",

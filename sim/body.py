@@ -80,6 +80,7 @@ class Body:
     """
 
     def __init__(self, spec: mujoco.MjSpec, names: BodyMap) -> None:
+        self.spec = spec
         spec.compile()
         self.xml: str = spec.to_xml()  # what is recorded is exactly what is run
         self.model = mujoco.MjModel.from_xml_string(self.xml)
@@ -124,7 +125,7 @@ class Body:
 
     def dof_name(self, dof: int) -> str:
         """Name of the joint that owns a degree of freedom."""
-        return self._dof_names.get(dof, f"dof {dof}")
+        return str(self._dof_names.get(dof, f"dof {dof}"))
 
     def arm(self, name: str) -> Arm:
         """The limb called `name`, as indices."""
@@ -218,7 +219,7 @@ class Body:
     @cached_property
     def torque_limit(self) -> FloatArray:
         """Largest torque of each joint's motor, (nv,) [N m]; 0 where there is no motor."""
-        limit = np.zeros(self.nv)
+        limit: FloatArray = np.zeros(self.nv)
         for dof, motor in zip(self.motor_dofs, range(self.model.nu), strict=True):
             low, high = self.model.actuator_ctrlrange[motor]
             limited = self.model.actuator_ctrllimited[motor]
@@ -228,7 +229,8 @@ class Body:
     @cached_property
     def motor_dofs(self) -> IntArray:
         """The degree of freedom that each motor drives, (nu,)."""
-        return self.model.jnt_dofadr[self.model.actuator_trnid[:, 0]].astype(np.int32)
+        dofs: IntArray = self.model.jnt_dofadr[self.model.actuator_trnid[:, 0]].astype(np.int32)
+        return dofs
 
     @cached_property
     def home(self) -> FloatArray:
@@ -246,7 +248,8 @@ class Body:
 
     def to_link(self, link: int, vector: FloatArray) -> FloatArray:
         """A vector (3,) of the body's frame in the frame that a link has in the home posture."""
-        return self._home_axes[link].T @ vector
+        seen: FloatArray = self._home_axes[link].T @ vector
+        return seen
 
     @cached_property
     def _home_axes(self) -> FloatArray:

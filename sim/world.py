@@ -27,6 +27,27 @@ class Push:
     simulations: tuple[int, ...] | None = None  # all of them when None
 
 
+class BareWorld:
+    """MuJoCo's `Batch` and nothing else: what control is measured against.
+
+    Args:
+        body: what is simulated.
+        n: how many simulations.
+        threads: how many threads step them.
+        start: posture (nq,) of all of them.
+    """
+
+    def __init__(self, body: Body, n: int, threads: int, start: FloatArray) -> None:
+        self._batch = mujoco.batch.Batch(body.model, n, threads, persistent=True)
+        self._batch.bind("qpos")[:] = start
+        self._ctrl = self._batch.bind("ctrl")
+
+    def step(self, ctrl: FloatArray) -> None:
+        """Apply the same motor torques (nu,) [N m] in all simulations for one step."""
+        self._ctrl[:] = ctrl
+        self._batch.step()
+
+
 class World:
     """n simulations of one body over `mujoco.batch.Batch`.
 
@@ -51,7 +72,7 @@ class World:
         self._motors = body.motor_dofs
         self._direct = np.array_equal(self._motors, np.arange(body.nv))
         self.torque = batch.bind("qfrc_actuator")  # (n, nv) applied in the last step [N m]
-        self._pushes = [(p, self._link(p.link)) for p in pushes]
+        self._pushes = [(p, body.link(p.link)) for p in pushes]
         self._force = batch.bind("xfrc_applied") if pushes else None
         self.state = State(
             time=batch.bind("time"),
@@ -100,9 +121,6 @@ class World:
             raise Diverged(
                 f"simulation {i} went wrong at {self.state.time[i]:.3f} s (MuJoCo: {what})"
             )
-
-    def _link(self, name: str) -> int:
-        return self.body.link(name)
 
     def _push(self, force: FloatArray) -> None:
         force[:] = 0.0

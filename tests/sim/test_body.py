@@ -16,7 +16,7 @@ from sim import ArmWords, Body, BodyError, BodyMap, load_body, pose
         (lambda b: b.posture("yoga"), "yoga", "rest"),
         (lambda b: b.direction("sideways"), "sideways", "forward"),
         (lambda b: b.link("foot"), "foot", "trunk"),
-        (lambda b: load_body("atlas"), "atlas", "adonis-female"),
+        (lambda _: load_body("atlas"), "atlas", "adonis-female"),
     ],
 )
 def test_an_unknown_name_is_answered_with_those_that_exist(body: Body, ask, given, exists) -> None:
@@ -27,7 +27,7 @@ def test_an_unknown_name_is_answered_with_those_that_exist(body: Body, ask, give
 
 
 def test_a_near_miss_is_answered_with_a_guess(body: Body) -> None:
-    with pytest.raises(BodyError, match="did you mean 'left_shoulder.top'"):
+    with pytest.raises(BodyError, match=r"did you mean 'left_shoulder\.top'"):
         body.landmark("left_sholder.top")
 
 

@@ -1,0 +1,222 @@
+"""What control costs, measured against bare physics in the same run.
+
+Machines are noisy, so every figure that matters is a ratio: the dance and bare physics take
+turns, a few hundred steps each, over the same motions of the same model.
+"""
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from adonis.dancing import about, versions
+from arbiter import Arbiter
+from primitives import AvoidCollisions, CompensateGravity, GetPosture, GoToPoint
+from sim import BareWorld, Body, Recorder, World, adonis
+from specs import BoundTask, SubTask, TaskSpec, bind_task, load_task
+
+TURN = 200  # steps
+SIZES = ((1, 1), (1, 2), (64, 1), (64, 2), (1024, 1), (1024, 2))  # simulations, threads
+
+
+def measure(*, quick: bool = False, tell: Callable[[str], None] = print) -> Any:
+    """All figures, as plain data for JSON.
+
+    Args:
+        quick: measure a part of the dance only, and leave out the largest batch.
+        tell: told what is being measured.
+    """
+    body = adonis()
+    spec, document = load_task("macarena")
+    task = bind_task(spec, body, document)
+    figures: dict[str, Any] = {"versions": versions(), "model": "adonis, 20 hinges"}
+    tell("the controllers are being prepared")
+    torques = _torques(task)
+    figures["dance"] = []
+    for n, threads in SIZES:
+        if quick and n > 64:
+            continue
+        tell(f"the dance, n = {n}, {threads} thread{'s' if threads > 1 else ''}")
+        figures["dance"].append(_against_physics(task, torques, n, threads, quick))
+    tell("recording")
+    figures["recording"] = _recording(task, quick)
+    tell("primitives")
+    figures["primitives"] = _primitives(body)
+    tell("a graph of 10 000 sub-tasks")
+    figures["graph"] = _graphs(body, 1000 if quick else 4000)
+    tell("start-up")
+    figures["start_up"] = _start_up()
+    return figures
+
+
+def _torques(task: BoundTask) -> np.ndarray:
+    """The torques (T, nv) of the whole dance."""
+    world, arbiter = World(task.body), Arbiter(task)
+    world.reset(task.start)
+    rows = []
+    for _ in range(int(task.graph.duration / task.body.timestep)):
+        torque = arbiter.torque(world.state)
+        rows.append(torque[0].copy())
+        world.step(torque)
+    return np.array(rows)
+
+
+def _against_physics(
+    task: BoundTask, torques: np.ndarray, n: int, threads: int, quick: bool
+) -> dict[str, float]:
+    """The dance and `Batch.step` under the same torques, in turns."""
+    world, arbiter = World(task.body, n, threads=threads), Arbiter(task, n, threads=threads)
+    world.reset(task.start)
+    bare = BareWorld(task.body, n, threads, task.start)
+    steps = min(len(torques), 600) if quick else len(torques)
+    spent = {"dance": 0.0, "physics": 0.0}
+    turns = []
+    for first in range(0, steps, TURN):
+        block = torques[first : min(first + TURN, steps)]
+        began = time.perf_counter()
+        for _ in range(len(block)):
+            world.step(arbiter.torque(world.state))
+        middle = time.perf_counter()
+        for torque in block:
+            bare.step(torque)
+        ended = time.perf_counter()
+        spent["dance"] += middle - began
+        spent["physics"] += ended - middle
+        turns.append((middle - began) / (ended - middle))
+    scale = 1e6 / (steps * n)
+    return {
+        "n": n,
+        "threads": threads,
+        "steps": steps,
+        "physics_us": round(spent["physics"] * scale, 3),
+        "dance_us": round(spent["dance"] * scale, 3),
+        "ratio": round(spent["dance"] / spent["physics"], 3),
+        "median_ratio_of_turns": round(float(np.median(turns)), 3),
+    }
+
+
+def _recording(task: BoundTask, quick: bool) -> dict[str, float]:
+    """What it costs to take down every step at n = 1, contributions included."""
+    spent = {}
+    steps = 600 if quick else 3000
+    for kept in (False, True):
+        world, arbiter = World(task.body), Arbiter(task)
+        world.reset(task.start)
+        channels = np.zeros(arbiter.contribution.shape[:2], dtype=np.int32)
+        recorder = Recorder(
+            task.body,
+            1,
+            names=arbiter.names,
+            channels=arbiter.contribution.shape[1],
+            about=about(task, 0),
+        )
+        began = time.perf_counter()
+        for _ in range(steps):
+            torque = arbiter.torque(world.state)
+            if kept:
+                arbiter.channels(channels)
+                recorder.take(world.state, arbiter.contribution, channels)
+            world.step(torque)
+            if kept:
+                recorder.applied(world.torque)
+        spent[kept] = (time.perf_counter() - began) / steps * 1e6
+    return {"without_us": round(spent[False], 3), "with_us": round(spent[True], 3)}
+
+
+def _primitives(body: Body) -> dict[str, float]:
+    """Time of each primitive alone [us per simulation], in a batch of 1024 mid-movement."""
+    n = 1024
+    world = World(body, n)
+    who, t = np.ones(n, dtype=bool), np.full(n, 0.3)
+    found: dict[str, float] = {}
+    for primitive in (
+        GetPosture(limb="right_arm", posture={"arm": "forward", "palm": "down"}),
+        GoToPoint(limb="right_arm", to="left_shoulder.top", upper_arm="forward"),
+        AvoidCollisions(),
+        CompensateGravity(),
+    ):
+        field = primitive.bind(body, 0.6)
+        field.begin(world.state, who)
+        seconds = _best(partial(field.torque, world.state, t))
+        found[primitive.kind] = round(seconds / n * 1e6, 4)
+    return found
+
+
+def _graphs(body: Body, steps: int) -> dict[str, float]:
+    """A graph of 10 000 sub-tasks against one of 12: to compile, and per step at n = 1."""
+    figures: dict[str, float] = {}
+    runs = {}
+    for count in (12, 10_000):
+        subtasks = tuple(
+            SubTask(
+                name=f"s{k}",
+                does=GoToPoint(
+                    limb=("right_arm", "left_arm")[k % 2],
+                    to=("head.top", "chest.front", "belly.front")[k % 3],
+                ),
+                seconds=max(0.5, steps * body.timestep / 12),
+            )
+            for k in range(count)
+        )
+        spec = TaskSpec(task=f"graph-{count}", subtasks=subtasks)
+        began = time.perf_counter()
+        task = bind_task(spec, body)
+        runs[count] = World(body), Arbiter(task)
+        figures[f"compile_{count}_s"] = round(time.perf_counter() - began, 4)
+    spent = dict.fromkeys(runs, 0.0)
+    for _ in range(steps // TURN):
+        for count, (world, arbiter) in runs.items():
+            began = time.perf_counter()
+            for _ in range(TURN):
+                world.step(arbiter.torque(world.state))
+            spent[count] += time.perf_counter() - began
+    done = steps // TURN * TURN
+    for count, seconds in spent.items():
+        figures[f"step_{count}_us"] = round(seconds / done * 1e6, 3)
+    figures["step_ratio"] = round(spent[10_000] / spent[12], 3)
+    return figures
+
+
+def _start_up() -> dict[str, float]:
+    """Time of new processes [s]: for help, to import, to compile the task, to the first step."""
+    to_first_step = (
+        "import time; began = time.perf_counter()\n"
+        "from specs import bind_task, load_task\n"
+        "from sim import World, adonis\n"
+        "from arbiter import Arbiter\n"
+        "imported = time.perf_counter()\n"
+        "spec, document = load_task('macarena'); body = adonis()\n"
+        "task = bind_task(spec, body, document)\n"
+        "bound = time.perf_counter()\n"
+        "world = World(body); world.step(Arbiter(task).torque(world.state))\n"
+        "print(imported - began, bound - imported, time.perf_counter() - bound)\n"
+    )
+    parts = [
+        [float(x) for x in _output([sys.executable, "-c", to_first_step]).split()] for _ in range(3)
+    ]
+    imported, bound, stepped = np.min(parts, axis=0)
+    help_ = [sys.executable, "-m", "adonis", "--help"]
+    return {
+        "help_s": round(_best(lambda: _output(help_)), 3),
+        "import_s": round(float(imported), 3),
+        "compile_task_s": round(float(bound), 3),
+        "to_first_step_s": round(float(stepped), 3),
+    }
+
+
+def _output(command: Sequence[str]) -> str:
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def _best(action: Callable[[], object], repeat: int = 5) -> float:
+    """The shortest of several times [s]."""
+    times = []
+    for _ in range(repeat):
+        began = time.perf_counter()
+        action()
+        times.append(time.perf_counter() - began)
+    return min(times)

@@ -1,0 +1,169 @@
+"""The judge sees a good dance as good, and every way of spoiling it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from adonis.dancing import random_start, run_task
+from adonis.judging import Judgement, judge
+from primitives import GoToPoint
+from sim import Body, BodyMap, Push, adonis
+from sim.anthropometry import FEMALE
+from specs import SubTask, TaskSpec, bind_task, load_task, with_tempo
+
+SPEC, DOCUMENT = load_task("macarena")
+
+
+def failed(judgement: Judgement) -> set[str]:
+    names = {v.subtask.name for v in judgement.verdicts if not v.success}
+    return names | {c.what for c in judgement.checks if not c.success}
+
+
+def with_does(spec: TaskSpec, name: str, **changes: object) -> TaskSpec:
+    """The task with other parameters for one sub-task."""
+
+    def changed(s: SubTask) -> SubTask:
+        return s.model_copy(update={"does": s.does.model_copy(update=changes)})
+
+    steps = tuple(changed(s) if s.name == name else s for s in spec.subtasks)
+    return spec.model_copy(update={"subtasks": steps})
+
+
+def danced(spec: TaskSpec, body: Body, against: TaskSpec = SPEC, **options) -> Judgement:
+    (recording,) = run_task(bind_task(spec, body), contributions=False, **options)
+    return judge(recording, against)
+
+
+# --- the dance as it should be --------------------------------------------------------------
+
+
+def test_the_combined_macarena_succeeds(dance) -> None:
+    """All twelve, with contacts, gravity, joint limits and torque limits on, at 103 bpm."""
+    assert failed(dance.judgement) == set()
+    assert dance.judgement.passed == 12
+    model = dance.recording.model
+    assert model.opt.gravity[2] == -9.81
+    assert model.jnt_limited.all()
+    assert model.opt.disableflags & 16 == 0, "contacts are on"
+
+
+def test_every_touch_is_judged_when_its_time_is_over_and_before_the_arm_moves_on(dance) -> None:
+    for verdict in dance.judgement.verdicts[4:]:
+        end, held = verdict.measures
+        assert end.limit == 0.03
+        assert held.limit == 0.015
+    for verdict in dance.judgement.verdicts[:4]:
+        assert {m.what: m.limit for m in verdict.measures} == {
+            "arm direction": 10.0, "palm direction": 15.0, "joint angles": 10.0
+        }  # fmt: skip
+
+
+def test_sub_tasks_begin_on_the_beat(dance) -> None:
+    beat = 60.0 / 103.0
+    for k, verdict in enumerate(dance.judgement.verdicts):
+        assert verdict.span.start == pytest.approx(k * beat, abs=1e-6)
+        assert verdict.span.end == pytest.approx((k + 1) * beat, abs=1e-6)
+
+
+@pytest.mark.parametrize("tempo", [80.0, 120.0])
+def test_it_also_dances_slower_and_faster(body: Body, tempo: float) -> None:
+    spec = with_tempo(SPEC, tempo)
+    assert danced(spec, body, spec).passed == 12
+
+
+def test_the_woman_dances_it_too() -> None:
+    assert danced(SPEC, adonis(FEMALE)).passed == 12
+
+
+def test_it_begins_from_anywhere(body: Body) -> None:
+    task = bind_task(SPEC, body, DOCUMENT)
+    start = random_start(body, task.start, 4, seed=0)
+    for recording in run_task(task, n=4, start=start, contributions=False):
+        assert judge(recording, SPEC).passed == 12
+
+
+def test_a_push_is_recovered_from_within_two_beats(body: Body) -> None:
+    beat = 60.0 / 103.0
+    push = Push("left_hand", (0.0, 40.0, 0.0), 6.5 * beat, 0.1)
+    judgement = danced(SPEC, body, pushes=[push])
+    late = [v for v in judgement.verdicts if v.span.start >= 8.0 * beat - 1e-6]
+    assert len(late) == 4
+    assert all(v.success for v in late)
+
+
+# --- the dance spoiled on purpose ------------------------------------------------------------
+
+
+def test_the_wrong_landmark_is_seen(body: Body) -> None:
+    spoiled = with_does(SPEC, "right-to-hip", to="left_hip", via=())
+    assert "right-to-hip" in failed(danced(spoiled, body))
+
+
+def test_halved_stiffness_is_seen(body: Body) -> None:
+    names = body.map.model_dump()
+    for limb in names["limbs"].values():
+        for gain in limb["spring"]:
+            if gain.endswith("stiffness"):
+                limb["spring"][gain] *= 0.5
+    for servo in names["servos"].values():
+        servo["stiffness"] *= 0.5
+    weak = Body(body.spec, BodyMap.model_validate(names))
+    assert failed(danced(SPEC, weak))
+
+
+def test_a_hand_through_the_head_is_seen_even_with_contacts_off() -> None:
+    """Straight from the shoulder to the back of the head, with nothing to keep it out."""
+    spoiled = with_does(SPEC, "right-to-head", via=())
+    spoiled = with_does(spoiled, "left-to-head", via=())
+    quiet = tuple(b for b in spoiled.background if b.name != "guard")
+    spoiled = spoiled.model_copy(update={"background": quiet})
+    judgement = danced(spoiled, adonis(contacts=False))
+    assert "worst penetration" in failed(judgement)
+    (penetration,) = (c for c in judgement.checks if c.what == "worst penetration")
+    assert penetration.value > 0.02
+
+
+def test_an_arm_that_does_not_move_is_seen(dance) -> None:
+    frozen = np.tile(dance.recording.qpos[0], (len(dance.recording.time), 1))
+    assert judge(replace(dance.recording, qpos=frozen), SPEC).passed == 0
+
+
+def test_a_torque_beyond_the_limit_is_seen(dance) -> None:
+    torque = dance.recording.torque.copy()
+    torque[1000, 6] *= 50
+    assert "peak torque" in failed(judge(replace(dance.recording, torque=torque), SPEC))
+
+
+def test_a_jump_of_the_torque_at_a_hand_over_is_seen(dance) -> None:
+    torque = dance.recording.torque.copy()
+    row = dance.recording.row(dance.judgement.verdicts[4].span.start) + 10
+    torque[row, 6] += 20.0
+    judged = judge(replace(dance.recording, torque=torque), SPEC)
+    assert "hand-over torque step" in failed(judged)
+
+
+def test_a_tilted_trunk_is_seen(dance) -> None:
+    qpos = dance.recording.qpos.copy()
+    qpos[500:, 1] += np.deg2rad(7)
+    assert "upright" in failed(judge(replace(dance.recording, qpos=qpos), SPEC))
+
+
+def test_a_run_that_broke_off_is_no_success(dance) -> None:
+    assert not judge(replace(dance.recording, complete=False), SPEC).success
+
+
+def test_a_sub_task_that_it_did_not_come_to_is_no_success(dance) -> None:
+    cut = replace(dance.recording, spans=dance.recording.spans[:-1])
+    assert failed(judge(cut, SPEC)) == {"left-to-hip"}
+
+
+def test_a_place_that_is_no_landmark_is_judged_too(body: Body) -> None:
+    reach = GoToPoint(limb="right_arm", to={"near": "chest.front", "away": 0.25})
+    spec = TaskSpec(
+        task="t", subtasks=(SubTask(name="a", does=reach, seconds=1.0),), background=SPEC.background
+    )
+    good = danced(spec, body, spec)
+    assert good.success
+    other = with_does(spec, "a", to={"near": "chest.front", "away": 0.35})
+    assert "a" in failed(danced(spec, body, other))

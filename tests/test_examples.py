@@ -1,0 +1,81 @@
+"""Every example runs, and so does what README and docs show."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sim import Body
+from specs import bind_task, task_from_text
+
+ROOT = Path(__file__).parents[1]
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+
+def shown(wanted: str) -> list:
+    """The blocks of one language in all pages."""
+    return [
+        pytest.param(text, id=f"{page.name}-{number}")
+        for page in PAGES
+        for number, (kind, text) in enumerate(BLOCK.findall(page.read_text(encoding="utf-8")))
+        if kind == wanted
+    ]
+
+
+def run(code: list[str], where: Path) -> str:
+    ended = subprocess.run(
+        [sys.executable, *code],
+        cwd=where,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "MUJOCO_GL": "disable"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert ended.returncode == 0, ended.stderr
+    return ended.stdout
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.name)
+def test_an_example_runs_and_is_short(path: Path, tmp_path: Path) -> None:
+    assert len(path.read_text().splitlines()) < 80
+    assert run([str(path)], tmp_path).strip()
+
+
+@pytest.mark.parametrize("text", shown("python"))
+def test_python_in_the_documentation_runs(text: str, tmp_path: Path) -> None:
+    script = tmp_path / "shown.py"
+    script.write_text(text)
+    run([str(script)], tmp_path)
+
+
+@pytest.mark.parametrize("text", shown("yaml"))
+def test_tasks_in_the_documentation_bind(text: str, body: Body) -> None:
+    spec, document = task_from_text(text, "shown.yaml")
+    bind_task(spec, body, document)
+
+
+@pytest.mark.parametrize("text", shown("sh"))
+def test_commands_in_the_documentation_exist(text: str, tmp_path: Path) -> None:
+    """Those of adonis are asked for their help with the same options; make targets exist."""
+    makefile = (ROOT / "Makefile").read_text()
+    for line in text.splitlines():
+        words = line.split("#")[0].split()
+        if words[:1] == ["make"]:
+            assert re.search(rf"^{words[1]}:", makefile, re.MULTILINE), line
+        elif words[:1] == ["adonis"]:
+            helped = run(["-m", "adonis", words[1], "--help"], tmp_path)
+            for word in words[2:]:
+                if word.startswith("--"):
+                    assert word.split("=")[0] in helped, line
+
+
+def test_links_between_pages_lead_somewhere() -> None:
+    for page in PAGES:
+        for target in re.findall(r"\]\((?!https?:|#)([^)#]+)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name} links to {target}"
