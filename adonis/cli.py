@@ -156,9 +156,12 @@ def check(
     """Find what is wrong with a task, without simulating it.
 
     Reads it, binds every name to the body, orders it, and prints when each sub-task is planned.
+    Ends with 0 if nothing is wrong, 1 if a goal cannot be reached, 2 if the task makes no sense.
     """
     from rich.console import Console
     from rich.table import Table
+
+    from specs import doubts
 
     bound = _bind(task, body, tempo, primitives)
     spec, graph = bound.spec, bound.graph
@@ -178,9 +181,15 @@ def check(
     console.print(f"Beside them: {beside}.", soft_wrap=True)
     console.print(
         f"{len(graph.order)} sub-tasks, {graph.duration:.2f} s at {spec.tempo:g} beats per"
-        f" minute on {bound.body.map.name}. Nothing wrong was found.",
+        f" minute on {bound.body.map.name}.",
         soft_wrap=True,
     )
+    found = doubts(bound)
+    for doubt in found:
+        console.print(f"[yellow]{doubt}[/yellow]", soft_wrap=True)
+    if found:
+        raise typer.Exit(FAILED)
+    console.print("Nothing wrong was found.")
 
 
 @app.command()

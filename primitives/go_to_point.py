@@ -137,8 +137,15 @@ class ReachField(CompiledField):
         duration: float,
     ) -> None:
         super().__init__(body, arm.dofs, unit="m")
-        self._reach, self._points = reach, points
+        self._arm, self._reach, self._points = arm, reach, points
         self._profile, self._times, self._duration = profile, times, duration
+
+    def too_far(self) -> float:
+        """By how much the goal is out of reach in the home posture [m]; 0 if it is not."""
+        goal = self._points[-1]
+        place = self._body.at_home(int(goal["link"]), goal["point"])
+        shoulder = self._body.at_home(self._arm.upper_arm, np.zeros(3))
+        return max(0.0, float(np.linalg.norm(place - shoulder)) - self._body.reach(self._arm))
 
     def add_to(self, table: TableBuilder) -> int:
         """See `CompiledField.add_to`."""

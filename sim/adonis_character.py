@@ -216,7 +216,7 @@ class _Builder:
                 SHIRT,
             )
             top = f"{side}_shoulder.top"
-            self._landmark(top, trunk, (0, s * 0.70 * sy, sz), (0.30, 0.0, 1.0))
+            self._landmark(top, trunk, (0, s * 0.62 * sy, sz), (0.30, 0.0, 1.0))
             self._landmark(
                 f"{side}_ribs", trunk, (0, s * (chest - r), 0.39 * length), (1.3, s, 0.0)
             )

@@ -8,6 +8,7 @@ what there is.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import mujoco
 import numpy as np
@@ -248,16 +249,27 @@ class Body:
 
     def to_link(self, link: int, vector: FloatArray) -> FloatArray:
         """A vector (3,) of the body's frame in the frame that a link has in the home posture."""
-        seen: FloatArray = self._home_axes[link].T @ vector
-        return seen
+        axes: FloatArray = self._at_home.xmat[link].reshape(3, 3)
+        return axes.T @ vector
+
+    def at_home(self, link: int, point: FloatArray) -> FloatArray:
+        """Where a point (3,) of a link is in the home posture, in the world [m]."""
+        axes: FloatArray = self._at_home.xmat[link].reshape(3, 3)
+        where: FloatArray = self._at_home.xpos[link] + axes @ point
+        return where
+
+    def reach(self, arm: Arm) -> float:
+        """Distance from the shoulder to the palm of the arm held straight [m]."""
+        joints = [self._at_home.xpos[link] for link in (arm.upper_arm, arm.forearm, arm.hand)]
+        lengths = [np.linalg.norm(b - a) for a, b in pairwise(joints)]
+        return float(sum(lengths) + np.linalg.norm(arm.palm.point))
 
     @cached_property
-    def _home_axes(self) -> FloatArray:
+    def _at_home(self) -> mujoco.MjData:
         data = mujoco.MjData(self.model)
         data.qpos[:] = self.home
         mujoco.mj_kinematics(self.model, data)
-        axes: FloatArray = data.xmat.reshape(-1, 3, 3).copy()
-        return axes
+        return data
 
     def capsules(self, links: Iterable[str]) -> Capsules:
         """The colliding geoms of some links, sorted by link.

@@ -1,7 +1,7 @@
 """Floor 3: the task language, from YAML to a bound task graph."""
 
 from specs.available import available_primitives, primitives_in
-from specs.binding import BoundTask, bind_task
+from specs.binding import BoundTask, bind_task, doubts
 from specs.errors import Position, SpecError
 from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
 from specs.loading import library, load_task, task_from_text
@@ -21,6 +21,7 @@ __all__ = [
     "available_primitives",
     "bind_task",
     "build_graph",
+    "doubts",
     "library",
     "load_task",
     "primitives_in",

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from primitives import Field, Primitive, PrimitiveError
+from primitives.go_to_point import ReachField
 from sim import Body, BodyError
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
@@ -79,6 +80,19 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     return BoundTask(body, graph, background, fields, start)
 
 
+def doubts(task: BoundTask) -> list[str]:
+    """What can be known to fail without simulating, one sentence each."""
+    found = []
+    for name, field in zip(task.graph.order, task.fields, strict=True):
+        far = field.too_far() if isinstance(field, ReachField) else 0.0
+        if far > 0.0:
+            found.append(
+                f"{name}: the goal is {100 * far:.0f} cm farther from the shoulder than"
+                f" the arm of {task.body.map.name} is long"
+            )
+    return found
+
+
 def _bind(
     primitive: Primitive, body: Body, duration: float, document: Document, path: Path_, name: str
 ) -> Field:
@@ -121,4 +135,4 @@ def _check_claims(
         depth[name] = mine
 
 
-__all__ = ["BoundTask", "SpecError", "bind_task"]
+__all__ = ["BoundTask", "SpecError", "bind_task", "doubts"]

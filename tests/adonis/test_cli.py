@@ -180,6 +180,14 @@ def test_check_shows_the_plan(tmp_path: Path) -> None:
     assert "Nothing wrong was found" in ended.stdout
 
 
+def test_check_doubts_a_goal_that_is_out_of_reach(tmp_path: Path) -> None:
+    (tmp_path / "far.yaml").write_text(GOOD.replace("point: [0.4", "point: [2.0"))
+    ended = adonis("check", "far.yaml", cwd=tmp_path)
+    assert ended.returncode == 1
+    assert "up: the goal is" in ended.stdout
+    assert "farther from the shoulder" in ended.stdout
+
+
 @pytest.mark.parametrize(
     ("style", "said"), [("mermaid", "flowchart TD"), ("dot", "digraph"), ("json", '"edges"')]
 )
