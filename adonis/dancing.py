@@ -94,7 +94,7 @@ def run_task(
                     progress(min(step / planned, 1.0), _present(arbiter))
         world.check()
     except (Diverged, ArbiterError) as error:
-        problem = f"{error}, during {_present(arbiter) or 'the background'}"
+        problem = f"{_cause(world, error)}, during {_present(arbiter) or 'the background'}"
     except KeyboardInterrupt:
         problem = f"interrupted at {step * body.timestep:.3f} s"
     spans = [arbiter.spans(i) for i in range(n)]
@@ -143,6 +143,15 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:
             found[name] = "not installed"
     return found
+
+
+def _cause(world: World, error: Exception) -> Exception:
+    """The physics, if it was at fault: then a torque that is no number is but a consequence."""
+    try:
+        world.check()
+    except Diverged as diverged:
+        return diverged
+    return error
 
 
 def _present(arbiter: Arbiter) -> str:

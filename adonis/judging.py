@@ -121,7 +121,8 @@ def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
 
     Args:
         recording: what happened.
-        spec: the task; default: the one that the recording says it is of.
+        spec: the task; default: the one that the recording says it is of, which may then use
+            only primitives that are installed.
     """
     task = task_from_text(str(recording.about["task"]))[0] if spec is None else spec
     names = BodyMap.model_validate(recording.about["body_map"])
