@@ -122,10 +122,11 @@ class _Builder:
             spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
         spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
         spec.visual.quality.shadowsize = 4096
-        spec.visual.headlight.ambient = [0.42, 0.42, 0.42]
-        spec.visual.headlight.diffuse = [0.38, 0.38, 0.38]
+        spec.visual.headlight.ambient = [0.45, 0.45, 0.45]
+        spec.visual.headlight.diffuse = [0.35, 0.35, 0.35]
         spec.visual.headlight.specular = [0.05, 0.05, 0.05]
-        spec.stat.center, spec.stat.extent = [0.0, 0.0, 1.1], 1.2
+        spec.stat.center = [0.12, 0.0, 0.71 * self.person.stature]
+        spec.stat.extent = 0.70 * self.person.stature
         spec.add_texture(
             name="sky",
             type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
@@ -135,31 +136,28 @@ class _Builder:
             width=256,
             height=256,
         )
-        spec.add_material(name="floor", rgba=[0.86, 0.87, 0.88, 1.0])
+        spec.add_material(name="floor", rgba=[0.93, 0.93, 0.94, 1.0], emission=0.12)
         world = spec.worldbody
-        world.add_light(
-            name="key",
-            pos=[2.0, 1.4, 3.2],
-            dir=[-2.0, -1.4, -2.1],
-            diffuse=[0.5, 0.5, 0.5],
-            castshadow=True,
-        )
+        for name, pos, strength, shadow in (
+            ("key", [1.6, -1.2, 3.4], 0.45, True),
+            ("fill", [2.0, 2.0, 2.4], 0.25, False),
+            ("rim", [-2.0, 1.0, 2.6], 0.25, False),
+        ):
+            world.add_light(
+                name=name,
+                pos=pos,
+                dir=[-pos[0], -pos[1], 1.0 - pos[2]],
+                diffuse=[strength] * 3,
+                castshadow=shadow,
+            )
         world.add_geom(
             name="floor",
             type=mujoco.mjtGeom.mjGEOM_PLANE,
-            size=[4.0, 4.0, 0.1],
+            size=[6.0, 6.0, 0.1],
             material="floor",
             contype=0,
             conaffinity=0,
         )
-        for name, pos, xyaxes in (
-            ("front", [2.9, 0.0, 1.25], [0, 1, 0, 0, 0, 1]),
-            ("oblique", [2.35, -1.65, 1.55], [0.57, 0.82, 0, -0.13, 0.09, 1]),
-            ("back", [-2.35, 1.65, 1.55], [-0.57, -0.82, 0, 0.13, -0.09, 1]),
-        ):
-            camera = world.add_camera(name=name, pos=pos, fovy=36)
-            camera.alt.type = mujoco.mjtOrientation.mjORIENTATION_XYAXES
-            camera.alt.xyaxes = xyaxes
 
     def _legs(self) -> None:
         """The static lower trunk and legs, one link that is fixed to the floor."""

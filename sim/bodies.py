@@ -1,6 +1,7 @@
 """The bodies that come with the package, and their body maps."""
 
 from collections.abc import Callable
+from functools import partial
 
 import mujoco
 import numpy as np
@@ -39,7 +40,13 @@ LANDMARKS = (
 )
 
 
-def adonis(person: Anthropometry = MALE, *, limits: bool = True, contacts: bool = True) -> Body:
+def adonis(
+    person: Anthropometry = MALE,
+    *,
+    name: str = "adonis",
+    limits: bool = True,
+    contacts: bool = True,
+) -> Body:
     """The Adonis torso with the proportions of `person` (Mataric et al. 1999, section 3)."""
     spec = build_adonis(person, limits=limits, contacts=contacts)
     arms = {
@@ -63,7 +70,7 @@ def adonis(person: Anthropometry = MALE, *, limits: bool = True, contacts: bool 
     return Body(
         spec,
         BodyMap(
-            name="adonis",
+            name=name,
             limbs=arms,
             groups={"waist": WAIST, "neck": NECK},
             landmarks=LANDMARKS,
@@ -76,8 +83,8 @@ def adonis(person: Anthropometry = MALE, *, limits: bool = True, contacts: bool 
 
 
 BODIES: dict[str, Callable[..., Body]] = {
-    "adonis": lambda **options: adonis(MALE, **options),
-    "adonis-female": lambda **options: adonis(FEMALE, **options),
+    "adonis": partial(adonis, MALE),
+    "adonis-female": partial(adonis, FEMALE, name="adonis-female"),
 }
 
 

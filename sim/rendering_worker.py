@@ -31,7 +31,7 @@ class Camera:
         self._renderer = mujoco.Renderer(self.model, size[1], size[0])
         self._camera = mujoco.MjvCamera()
         self._camera.lookat[:] = self.model.stat.center
-        self._camera.distance = 1.75 * self.model.stat.extent
+        self._camera.distance = 1.65 * self.model.stat.extent
         self._camera.azimuth, self._camera.elevation = view
 
     def shoot(self, row: int, palms: list[str] | None = None, since: int = 0) -> Picture:

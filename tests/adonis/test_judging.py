@@ -155,7 +155,7 @@ def test_a_run_that_broke_off_is_no_success(dance) -> None:
 
 def test_a_sub_task_that_it_did_not_come_to_is_no_success(dance) -> None:
     cut = replace(dance.recording, spans=dance.recording.spans[:-1])
-    assert failed(judge(cut, SPEC)) == {"left-to-hip"}
+    assert "left-to-hip" in failed(judge(cut, SPEC))
 
 
 def test_a_place_that_is_no_landmark_is_judged_too(body: Body) -> None:
