@@ -62,16 +62,17 @@ def run_task(
     body = task.body
     world = World(body, n, threads=threads, pushes=pushes)
     world.reset(task.start if start is None else start)
-    arbiter = Arbiter(task, n, threads=threads)
+    arbiter = Arbiter(task, n, threads=threads, contributions=contributions)
     recorder = Recorder(
         body,
         n,
         names=arbiter.names if contributions else (),
-        channels=arbiter.contribution.shape[1],
+        channels=arbiter.most_channels,
         about=about(task, seed),
         part=part,
     )
-    channels = np.zeros(arbiter.contribution.shape[:2], dtype=np.int32)
+    channels = np.zeros((n, arbiter.most_channels), dtype=np.int32)
+    asked, applied = arbiter.contribution if contributions else None, world.torque
     planned = int(np.ceil(task.graph.duration / body.timestep))
     coda = int(np.ceil(task.spec.seconds(task.spec.coda) / body.timestep))
     last: int | None = None if task.may_wait else planned
@@ -82,9 +83,9 @@ def run_task(
             torque = arbiter.torque(world.state)
             if contributions:
                 arbiter.channels(channels)
-            recorder.take(world.state, arbiter.contribution, channels)
+            recorder.take(world.state, asked, channels)
             world.step(torque)
-            recorder.applied(world.torque)
+            recorder.applied(applied)
             step += 1
             if step % LOOK_EVERY == 0:
                 world.check()

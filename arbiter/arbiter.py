@@ -5,7 +5,6 @@ tau(t) = sum_i a_i(t) phi_i(q, q', t)
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +12,11 @@ from numpy.typing import NDArray
 from arbiter.errors import ArbiterError
 from arbiter.kernel import ACT, WALK, control
 from arbiter.plan import DONE, LOG, SLOT, TIMED_OUT, Plan, make_plan
+from arbiter.run import Parts, Run
 from primitives import Field
 from primitives.compiled_field import CompiledField
 from primitives.mechanics import dof_table, link_table
-from primitives.table import PLAIN, TOUCH, TableBuilder, memory_size
+from primitives.table import PLAIN, TOUCH, TableBuilder, make_scratch, memory_size
 from sim import Span, State
 from specs import BoundTask
 
@@ -34,14 +34,16 @@ class Arbiter:
         task: what to do, on which body.
         n: number of simulations.
         threads: on which a large batch is shared out; the result does not depend on it.
+        contributions: whether to keep what each primitive asked for (see `contribution`).
     """
 
-    def __init__(self, task: BoundTask, n: int = 1, *, threads: int = 1) -> None:
+    def __init__(
+        self, task: BoundTask, n: int = 1, *, threads: int = 1, contributions: bool = True
+    ) -> None:
         self.task = task
         self.n = n
         self._crew = ThreadPoolExecutor(threads) if threads > 1 and n >= SHARE_FROM else None
-        edges = np.linspace(0, n, threads + 1).astype(int) if self._crew else [0, n]
-        self._shares = tuple(pairwise(int(e) for e in edges))
+        self._shares = threads if self._crew else 1
         self.plan: Plan = make_plan(task)
         self.names: tuple[str, ...] = (
             *(b.name for b in task.spec.background),
@@ -64,16 +66,22 @@ class Arbiter:
         self._memory = np.zeros((n, channels + 1, memory_size(body.nv)))
         self._plain_torque = np.zeros((n, len(self._plain), body.nv))
         self._plain_error = np.zeros((n, len(self._plain)))
-        self._contribution = np.zeros((n, channels, body.nv))
+        kept = (n, channels) if contributions else (0, 0)
+        self._contribution = np.zeros((*kept, body.nv))
         self._torque = np.zeros((n, body.nv))
         gives_way = np.array([len(f.claims) > 0 for f in task.background], dtype=np.bool_)
         touches = np.zeros((n, slots + 1), dtype=TOUCH)
-        self._tables: tuple[object, ...] = (
+        parts = Parts(
             *(link_table(body), dof_table(body), *table),
             *(gives_way, self.plan.nodes, self.plan.successors, self.plan.roots),
             *(self._live, self._slots, self._log, self._memory, touches),
             *(self._plain_torque, self._plain_error, self._contribution, self._torque),
+            np.linspace(0, n, self._shares + 1).astype(np.int64),
+            np.zeros((self._shares, channels + 1, body.nv)),
+            np.zeros((self._shares, channels, body.nv)),
+            *make_scratch(table, self._shares),
         )
+        self._run = Run(parts)
         self._bound: tuple[State, tuple[object, ...]] | None = None
         self.reset()
 
@@ -108,11 +116,22 @@ class Arbiter:
 
     @property
     def contribution(self) -> FloatArray:
-        """Torques (n, channels, nv) [N m] by who made them; see `channels` for the names."""
+        """Torques (n, channels, nv) [N m] by who made them; see `channels` for the names.
+
+        Raises:
+            ArbiterError: this arbiter does not keep them.
+        """
+        if not len(self._contribution):
+            raise ArbiterError("this arbiter was made with contributions=False")
         return self._contribution
 
+    @property
+    def most_channels(self) -> int:
+        """How many primitives can be on at once."""
+        return self._backgrounds + self.plan.slots
+
     def channels(self, out: NDArray[np.int32]) -> None:
-        """Which of `names` made each row of `contribution`, (n, channels); -1 for nobody."""
+        """Which of `names` makes each row of `contribution`, (n, channels); -1 for nobody."""
         b = self._backgrounds
         out[:, :b] = np.arange(b)
         used = np.arange(self.plan.slots) < self._live[:, None]
@@ -140,9 +159,9 @@ class Arbiter:
     def _control(self, what: int, arrays: tuple[object, ...]) -> int:
         """Run the compiled step; returns a simulation whose torque is not finite, or -1."""
         if self._crew is None:
-            return control(what, 0, self.n, *arrays)
-        jobs = [self._crew.submit(control, what, a, b, *arrays) for a, b in self._shares[1:]]
-        own = control(what, *self._shares[0], *arrays)
+            return control(what, 0, *arrays)
+        jobs = [self._crew.submit(control, what, k, *arrays) for k in range(1, self._shares)]
+        own = control(what, 0, *arrays)
         return max(own, *(job.result() for job in jobs))
 
     def _arrays(self, state: State) -> tuple[object, ...]:
@@ -153,7 +172,7 @@ class Arbiter:
                     f" freedom; the state has {state.n} of {state.qvel.shape[1]}"
                 )
             seen = (state.time, state.qpos, state.qvel, state.xpos, state.xmat)
-            self._bound = state, (*seen, state.cdof, state.subtree_com, *self._tables)
+            self._bound = state, (*seen, state.cdof, state.cvel, state.subtree_com, self._run)
         return self._bound[1]
 
     def _ask_plain(self, state: State) -> None:
@@ -176,16 +195,19 @@ class Arbiter:
             self._plain_error[:, row] = field.error(state)
 
     def _not_finite(self, state: State, simulation: int) -> ArbiterError:
-        rows = np.empty(self._contribution.shape[:2], dtype=np.int32)
-        self.channels(rows)
-        for channel, row in enumerate(rows[simulation]):
-            if row >= 0 and not np.isfinite(self._contribution[simulation, channel]).all():
-                joint = int(
-                    np.flatnonzero(~np.isfinite(self._contribution[simulation, channel]))[0]
-                )
+        """Ask the fields of a simulation once more, to see which of them it is."""
+        blame = Arbiter(self.task)
+        for name in ("_live", "_slots", "_log", "_memory", "_plain_torque", "_plain_error"):
+            getattr(blame, name)[0] = getattr(self, name)[simulation]
+        blame._control(ACT, blame._arrays(state.of_one(simulation)))
+        rows = np.empty((1, self.most_channels), dtype=np.int32)
+        blame.channels(rows)
+        for row, torque in zip(rows[0], blame.contribution[0], strict=True):
+            wrong = np.flatnonzero(~np.isfinite(torque))
+            if row >= 0 and wrong.size:
                 return ArbiterError(
                     f"{self.names[row]!r} asks for a torque that is not finite at"
-                    f" {self.task.body.dof_name(joint)}, {state.time[simulation]:.3f} s"
+                    f" {self.task.body.dof_name(int(wrong[0]))}, {state.time[simulation]:.3f} s"
                     f" (simulation {simulation})"
                 )
         return ArbiterError(f"a torque is not finite at {state.time[simulation]:.3f} s")

@@ -32,31 +32,7 @@ def fade_in(elapsed: float, duration: float) -> float:
 
 
 @compiled
-def share_left(
-    s: int,
-    time: float,
-    nodes: Records,
-    claims: NDArray[np.bool_],
-    backgrounds: int,
-    slots: Records,
-    live: int,
-    log: Records,
-) -> float:
-    """What newer sub-tasks leave to slot s, on the first joint that it claims."""
-    mine = claims[backgrounds + slots[s].node]
-    joint = 0
-    while joint < mine.shape[0] - 1 and not mine[joint]:
-        joint += 1
-    left = 1.0
-    for newer in range(s + 1, live):
-        k = slots[newer].node
-        if claims[backgrounds + k, joint]:
-            left *= 1.0 - fade_in(time - log[k].start, nodes[k].fade)
-    return left
-
-
-@compiled
-def hand_over(
+def weigh_fields(
     time: float,
     nodes: Records,
     claims: NDArray[np.bool_],
@@ -64,10 +40,9 @@ def hand_over(
     slots: Records,
     live: int,
     log: Records,
-    contribution: FloatArray,
     weight: FloatArray,
 ) -> None:
-    """Scale every field's torques by its weight on each joint, in place.
+    """What the fields that are on are worth on each joint.
 
     Args:
         time: [s]
@@ -77,34 +52,41 @@ def hand_over(
         slots: rows of SLOT, the oldest first; `covered` is set where nothing is left.
         live: how many of them are in use.
         log: rows of LOG.
-        contribution: (backgrounds + slots, nv) [N m]
-        weight: (slots,) to work in.
+        weight: (backgrounds + slots, nv) out: of the background, then of the slots.
     """
     backgrounds = gives_way.shape[0]
-    nv = contribution.shape[1]
-    for s in range(live):
-        k = slots[s].node
-        weight[s] = fade_in(time - log[k].start, nodes[k].fade)
-        slots[s].covered = True
-        if not nodes[k].claims:  # it only adds: on while it runs, then it fades away
-            if slots[s].over:
-                weight[s] *= 1.0 - fade_in(time - log[k].end, nodes[k].fade)
-            slots[s].covered = weight[s] == 0.0 and slots[s].over
-            for j in range(nv):
-                contribution[backgrounds + s, j] *= weight[s]
+    nv = weight.shape[1]
+    left = weight[-1]  # a row of room: what is left of each joint
     for j in range(nv):
-        left = 1.0
-        for s in range(live - 1, -1, -1):
-            k = slots[s].node
-            if not nodes[k].claims:
-                continue
-            if claims[backgrounds + k, j]:
-                contribution[backgrounds + s, j] *= left * weight[s]
-                if left > 0.0:
-                    slots[s].covered = False
-                left *= 1.0 - weight[s]
-            else:
-                contribution[backgrounds + s, j] = 0.0
-        for b in range(backgrounds):
-            if gives_way[b]:
-                contribution[b, j] *= left if claims[b, j] else 0.0
+        left[j] = 1.0
+    for s in range(live - 1, -1, -1):
+        k, row = slots[s].node, weight[backgrounds + s]
+        share = fade_in(time - log[k].start, nodes[k].fade)
+        if nodes[k].claims:
+            slots[s].covered = not lay_over(share, claims[backgrounds + k], left, row)
+            continue
+        if slots[s].over:  # it only adds: on while it runs, then it fades away
+            share *= 1.0 - fade_in(time - log[k].end, nodes[k].fade)
+        slots[s].covered = share == 0.0
+        for j in range(nv):
+            row[j] = share
+    for b in range(backgrounds):
+        for j in range(nv):
+            claimed = 1.0 if claims[b, j] else 0.0
+            weight[b, j] = left[j] * claimed if gives_way[b] else 1.0
+
+
+@compiled
+def lay_over(share: float, claims: NDArray[np.bool_], left: FloatArray, weight: FloatArray) -> bool:
+    """Give a sub-task its share of what is left of the joints (nv,) that it claims.
+
+    Returns whether anything was left for it on any of them.
+    """
+    found = False
+    for j in range(weight.shape[0]):
+        weight[j] = 0.0
+        if claims[j]:
+            weight[j] = share * left[j]
+            found = found or left[j] > 0.0
+            left[j] *= 1.0 - share
+    return found

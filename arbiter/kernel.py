@@ -5,12 +5,20 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from arbiter.hand_over import hand_over, share_left
+from arbiter.hand_over import weigh_fields
 from arbiter.rules import sum_torques
+from arbiter.run import Parts
 from arbiter.walk import begin_subtask, walk
 from primitives.compiled import Records, compiled, compiled_entry, fingerprint
 from primitives.mechanics import Row
-from primitives.table import MOST_KNOTS, PLAIN, FieldTable, add_torque, begin_field, touch_of
+from primitives.table import (
+    PLAIN,
+    FieldTable,
+    Scratch,
+    add_torque,
+    begin_field,
+    touch_of,
+)
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -48,39 +56,54 @@ def ask_fields(
     now: float,
     x: Row,
     table: FieldTable,
-    nodes: Records,
     backgrounds: int,
     slots: Records,
     live: int,
     log: Records,
     memory: FloatArray,
+    weight: FloatArray,
     touches: Records,
     plain: FloatArray,
-    scratch: FloatArray,
+    scratch: Scratch,
     out: FloatArray,
 ) -> None:
-    """Torques of all fields that are on, unscaled, into the rows of `out`.
+    """Torques of the fields that are on, scaled by their weights, into the rows of `out`.
 
     Sub-tasks come first: a hand that is to touch a link tells the background, which then
-    lets that pair be.
+    lets that pair be. Fields that are worth nothing are not asked.
     """
     touching = 0
+    nv = out.shape[1]
     for m in range(backgrounds + live - 1, -1, -1):
-        out[m, :] = 0.0
+        worth = 0.0
+        for j in range(nv):
+            worth = max(worth, weight[m, j])
+            out[m, j] = 0.0
+        if worth == 0.0:
+            continue
         if m < backgrounds:
             f, since = m, now - memory[-1, 0]
         else:
-            s = m - backgrounds
-            f, since = backgrounds + slots[s].node, now - log[slots[s].node].start
+            k = slots[m - backgrounds].node
+            f, since = backgrounds + k, now - log[k].start
             if touch_of(table, f, since, touches[touching]):
-                touches[touching].share *= share_left(
-                    s, now, nodes, table.claims, backgrounds, slots, live, log
-                )
+                touches[touching].share *= worth
                 touching += 1
         if table.fields[f].kind == PLAIN:
-            out[m, :] = plain[table.fields[f].row]
+            for j in range(nv):
+                out[m, j] = plain[table.fields[f].row, j]
         else:
             add_torque(table, f, x, memory[m], since, touches[:touching], scratch, out[m])
+        for j in range(nv):
+            out[m, j] *= weight[m, j]
+
+
+@compiled
+def keep(asked: FloatArray, on: int, contribution: FloatArray) -> None:
+    """Copy the rows of the fields that are on."""
+    for m in range(on):
+        for j in range(asked.shape[1]):
+            contribution[m, j] = asked[m, j]
 
 
 @compiled
@@ -93,50 +116,76 @@ def limit_torques(dofs: Records, torque: FloatArray) -> bool:
     return finite
 
 
+@compiled
+def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) -> bool:
+    """Control simulation i; returns whether its torque is finite."""
+    table = FieldTable(
+        p.fields, p.claims, p.numbers, p.reaches, p.points,
+        p.guards, p.guarded, p.pairs, p.capsules,
+    )  # fmt: skip
+    backgrounds = p.gives_way.shape[0]
+    slots, log, memory, live = p.slots[i], p.log[i], p.memory[i], p.live[i]
+    if what & WALK:
+        if live < 0:
+            live = begin_task(time, x, table, p.roots, backgrounds, slots, log, memory)
+        live = walk(
+            time, x, table, p.nodes, p.successors, backgrounds,
+            slots, live, log, memory, p.plain_error[i],
+        )  # fmt: skip
+        p.live[i] = live
+    if not what & ACT:
+        return True
+    weight, asked, torque = p.weight[share], p.asked[share], p.torque[i]
+    scratch = Scratch(
+        p.knot_weight[share], p.knot_rate[share], p.balls[share], p.wrenches[share], p.placed[share]
+    )
+    weigh_fields(time, p.nodes, p.claims, p.gives_way, slots, live, log, weight)
+    ask_fields(
+        time, x, table, backgrounds, slots, live, log, memory, weight,
+        p.touches[i], p.plain[i], scratch, asked,
+    )  # fmt: skip
+    sum_torques(asked, backgrounds + live, torque)
+    if p.contribution.shape[0] > 0:
+        keep(asked, backgrounds + live, p.contribution[i])
+    return limit_torques(p.dofs, torque)
+
+
+@compiled
+def control_share(
+    what: int,
+    share: int,
+    time: FloatArray,
+    qpos: FloatArray,
+    qvel: FloatArray,
+    xpos: FloatArray,
+    xmat: FloatArray,
+    cdof: FloatArray,
+    cvel: FloatArray,
+    com: FloatArray,
+    p: Parts,
+) -> int:
+    """Control a share of the simulations; returns one whose torque is not finite, or -1."""
+    bad = -1
+    for i in range(p.shares[share], p.shares[share + 1]):
+        x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], cvel[i], com[i], p.links, p.dofs)
+        if not control_one(what, share, i, time[i], x, p):
+            bad = i
+    return bad
+
+
 def _make(code: str) -> Callable[..., int]:
     @compiled_entry
-    def control(  # type: ignore[no-untyped-def]
-        what, low, high,
-        time, qpos, qvel, xpos, xmat, cdof, com,
-        links, dofs,
-        fields, claims, numbers, reaches, points, guards, pairs, capsules,
-        gives_way, nodes, successors, roots,
-        live, slots, log, memory, touches, plain, plain_error, contribution, torque,
-    ):  # fmt: skip
-        """Control simulations low to high; returns one whose torque is not finite, or -1.
-
-        It takes arrays one by one because that is what costs least to call.
-        """
+    def control(what, share, time, qpos, qvel, xpos, xmat, cdof, cvel, com, r):  # type: ignore[no-untyped-def]
+        """See `control_share`."""
         len(code)
-        table = FieldTable(fields, claims, numbers, reaches, points, guards, pairs, capsules)
-        backgrounds = gives_way.shape[0]
-        scratch = np.empty((2, MOST_KNOTS))
-        weight = np.empty(slots.shape[1])
-        bad = -1
-        for i in range(low, high):
-            x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], com[i], links, dofs)
-            if what & WALK:
-                if live[i] < 0:
-                    live[i] = begin_task(
-                        time[i], x, table, roots, backgrounds, slots[i], log[i], memory[i]
-                    )
-                live[i] = walk(
-                    time[i], x, table, nodes, successors, backgrounds,
-                    slots[i], live[i], log[i], memory[i], plain_error[i],
-                )  # fmt: skip
-            if what & ACT:
-                ask_fields(
-                    time[i], x, table, nodes, backgrounds, slots[i], live[i], log[i], memory[i],
-                    touches[i], plain[i], scratch, contribution[i],
-                )  # fmt: skip
-                hand_over(
-                    time[i], nodes, claims, gives_way, slots[i], live[i], log[i],
-                    contribution[i], weight,
-                )  # fmt: skip
-                sum_torques(contribution[i], backgrounds + live[i], torque[i])
-                if not limit_torques(dofs, torque[i]):
-                    bad = i
-        return bad
+        parts = Parts(
+            r.links, r.dofs, r.fields, r.claims, r.numbers, r.reaches, r.points, r.guards,
+            r.guarded, r.pairs, r.capsules, r.gives_way, r.nodes, r.successors, r.roots,
+            r.live, r.slots, r.log, r.memory, r.touches, r.plain, r.plain_error,
+            r.contribution, r.torque, r.shares, r.weight, r.asked, r.knot_weight, r.knot_rate,
+            r.balls, r.wrenches, r.placed,
+        )  # fmt: skip
+        return control_share(what, share, time, qpos, qvel, xpos, xmat, cdof, cvel, com, parts)
 
     return control
 

@@ -52,7 +52,8 @@ def drop_covered(
             slots[kept].node = slots[s].node
             slots[kept].over = slots[s].over
             slots[kept].covered = slots[s].covered
-            memory[backgrounds + kept, :] = memory[backgrounds + s, :]
+            for n in range(memory.shape[1]):
+                memory[backgrounds + kept, n] = memory[backgrounds + s, n]
         kept += 1
     return kept
 

@@ -9,16 +9,15 @@ that one link as its set point arrives there.
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from primitives.compiled import Records
 from primitives.compiled_field import CompiledField
 from primitives.errors import PrimitiveError
 from primitives.get_posture import NonNegative, Positive
-from primitives.primitive import NO_JOINTS, FloatArray, Primitive
-from primitives.repulsion import CAPSULE, GUARD, PAIR
+from primitives.primitive import NO_JOINTS, Primitive
+from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR
 from primitives.table import GUARDING, TableBuilder
-from sim import Body, Capsules
+from sim import Body
 
 
 class AvoidCollisions(Primitive):
@@ -37,56 +36,53 @@ class AvoidCollisions(Primitive):
             raise PrimitiveError(
                 f"the body map of {body.map.name!r} keeps no links apart; name pairs of links"
             )
-        capsules = body.capsules({name for pair in names for name in pair})
-        pairs = np.concatenate([_pair(body, capsules, a, b) for a, b in names])
+        links = tuple(dict.fromkeys(name for pair in names for name in pair))
+        shapes = body.capsules(links)
+        capsules = np.zeros(len(shapes.link), dtype=CAPSULE)
+        capsules["link"], capsules["radius"] = shapes.link, shapes.radius
+        capsules["middle"] = 0.5 * (shapes.start + shapes.end)
+        capsules["half"] = 0.5 * (shapes.end - shapes.start)
+        capsules["squared"] = np.sum(capsules["half"] ** 2, axis=1)
+        capsules["reach"] = np.linalg.norm(capsules["half"], axis=1) + shapes.radius
+        guarded = np.concatenate([_guarded(body, capsules, name) for name in links])
+        pairs = np.array([(links.index(a), links.index(b)) for a, b in names], dtype=PAIR)
         guard = np.zeros(1, dtype=GUARD)
-        guard["count"] = len(pairs)
-        guard["range"], guard["stiffness"], guard["damping"] = (
-            self.range,
-            self.stiffness,
-            self.damping,
-        )
-        rows = np.zeros(len(capsules.link), dtype=CAPSULE)
-        for column in ("link", "start", "end", "radius"):
-            rows[column] = getattr(capsules, column)
-        return GuardField(body, guard, pairs, rows)
+        guard["link_count"], guard["pair_count"] = len(links), len(pairs)
+        guard["range"], guard["stiffness"] = self.range, self.stiffness
+        guard["damping"] = self.damping
+        return GuardField(body, guard, guarded, pairs, capsules)
 
 
-def _pair(body: Body, capsules: Capsules, one: str, other: str) -> Records:
-    """A row of PAIR."""
-    row = np.zeros(1, dtype=PAIR)
-    for end, name in (("a", one), ("b", other)):
-        link = body.link(name)
-        own = np.flatnonzero(capsules.link == link)  # capsules are sorted by link
-        if not own.size:
-            raise PrimitiveError(f"link {name!r} has no geom that collides, so nothing to avoid")
-        centre, radius = _ball(capsules, own)
-        row[f"link_{end}"], row[f"first_{end}"], row[f"count_{end}"] = link, own[0], own.size
-        row[f"centre_{end}"], row[f"radius_{end}"] = centre, radius
+def _guarded(body: Body, capsules: Records, name: str) -> Records:
+    """A row of GUARDED; the capsules are sorted by link."""
+    row = np.zeros(1, dtype=GUARDED)
+    own = np.flatnonzero(capsules["link"] == body.link(name))
+    if not own.size:
+        raise PrimitiveError(f"link {name!r} has no geom that collides, so nothing to avoid")
+    mine = capsules[own]
+    ends = np.concatenate([mine["middle"] - mine["half"], mine["middle"] + mine["half"]])
+    centre = 0.5 * (ends.min(axis=0) + ends.max(axis=0))
+    thick = np.concatenate([mine["radius"]] * 2)
+    row["link"], row["first"], row["count"] = body.link(name), own[0], own.size
+    row["centre"] = centre
+    row["reach"] = np.max(np.linalg.norm(ends - centre, axis=1) + thick)
     return row
-
-
-def _ball(capsules: Capsules, own: NDArray[np.intp]) -> tuple[FloatArray, float]:
-    """A ball around some capsules of one link."""
-    ends = np.concatenate([capsules.start[own], capsules.end[own]])
-    thick = np.concatenate([capsules.radius[own]] * 2)
-    centre: FloatArray = 0.5 * (ends.min(axis=0) + ends.max(axis=0))
-    return centre, float(np.max(np.linalg.norm(ends - centre, axis=1) + thick))
 
 
 class GuardField(CompiledField):
     """Repulsion between pairs of links: see `repulsion`."""
 
-    def __init__(self, body: Body, guard: Records, pairs: Records, rows: Records) -> None:
+    def __init__(
+        self, body: Body, guard: Records, guarded: Records, pairs: Records, capsules: Records
+    ) -> None:
         super().__init__(body, NO_JOINTS, unit="")
-        self._guard, self._pairs, self._capsules = guard, pairs, rows
+        self._guard, self._guarded, self._pairs = guard, guarded, pairs
+        self._capsules = capsules
 
     def add_to(self, table: TableBuilder) -> int:
         """See `CompiledField.add_to`."""
-        first = table.records(self._capsules)
-        pairs = self._pairs.copy()
-        pairs["first_a"] += first
-        pairs["first_b"] += first
-        guard = self._guard.copy()
-        guard["pairs"] = table.records(pairs)
+        guarded, guard = self._guarded.copy(), self._guard.copy()
+        guarded["first"] += table.records(self._capsules)
+        guard["links"] = table.records(guarded)
+        guard["pairs"] = table.records(self._pairs)
         return table.field(GUARDING, table.records(guard), self.claims)

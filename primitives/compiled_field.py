@@ -9,17 +9,18 @@ from collections.abc import Callable
 
 import numpy as np
 
-from primitives.compiled import Records, compiled_entry, fingerprint
+from primitives.compiled import Records, compiled, compiled_entry, fingerprint
 from primitives.mechanics import Row, dof_table, link_table
 from primitives.primitive import BoolArray, FloatArray, IntArray
 from primitives.table import (
-    MOST_KNOTS,
     TOUCH,
     FieldTable,
+    Scratch,
     TableBuilder,
     add_torque,
     begin_field,
     field_error,
+    make_scratch,
     memory_size,
 )
 from sim import Body, State
@@ -43,20 +44,18 @@ class CompiledField(ABC):
         alone = self._table()
         if alone.memory.shape[0] != state.n:
             alone.memory = np.zeros((state.n, memory_size(self._body.nv)))
-        _begin(alone.table, *_arrays(state), alone.links, alone.dofs, who, alone.memory)
+        _begin(*alone.seen(state), who, alone.memory)
 
     def torque(self, state: State, t: FloatArray) -> FloatArray:
         """Torques (n, nv) [N m], t (n,) [s] after being switched on."""
         alone, out = self._table(), np.zeros((state.n, self._body.nv))
-        _torque(
-            alone.table, *_arrays(state), alone.links, alone.dofs, alone.memory, t, NO_TOUCH, out
-        )
+        _torque(*alone.seen(state), alone.memory, t, NO_TOUCH, alone.room, out)
         return out
 
     def error(self, state: State) -> FloatArray:
         """Distance (n,) from the goal, in `unit`."""
         alone, out = self._table(), np.zeros(state.n)
-        _error(alone.table, *_arrays(state), alone.links, alone.dofs, out)
+        _error(*alone.seen(state), out)
         return out
 
     def _table(self) -> "_Alone":
@@ -74,40 +73,74 @@ class _Alone:
         self.table = table
         self.links, self.dofs = link_table(body), dof_table(body)
         self.memory = np.zeros((0, memory_size(body.nv)))
+        self.room = make_scratch(table, 1)
 
-
-def _arrays(s: State) -> tuple[FloatArray, ...]:
-    return s.qpos, s.qvel, s.xpos, s.xmat, s.cdof, s.subtree_com
+    def seen(self, s: State) -> tuple[object, ...]:
+        """The table, and the simulations as a compiled function wants them."""
+        arrays = (s.qpos, s.qvel, s.xpos, s.xmat, s.cdof, s.cvel, s.subtree_com)
+        return self.table, Row(*arrays, self.links, self.dofs)
 
 
 NO_TOUCH: Records = np.zeros(0, dtype=TOUCH)
 
 
+@compiled
+def one_of(every: Row, i: int) -> Row:
+    """The row of simulation i, from arrays that hold all of them."""
+    return Row(
+        every.qpos[i], every.qvel[i], every.xpos[i], every.xmat[i], every.cdof[i],
+        every.cvel[i], every.com[i], every.links, every.dofs,
+    )  # fmt: skip
+
+
+@compiled
+def begin_all(table: FieldTable, x: Row, who: BoolArray, memory: FloatArray) -> None:
+    """`begin_field` in some simulations."""
+    for i in range(len(x.qpos)):
+        if who[i]:
+            begin_field(table, 0, one_of(x, i), memory[i])
+
+
+@compiled
+def torque_all(
+    table: FieldTable,
+    x: Row,
+    memory: FloatArray,
+    t: FloatArray,
+    touches: Records,
+    room: tuple[FloatArray, ...],
+    out: FloatArray,
+) -> None:
+    """`add_torque` in all simulations."""
+    scratch = Scratch(room[0][0], room[1][0], room[2][0], room[3][0], room[4][0])
+    for i in range(len(x.qpos)):
+        add_torque(table, 0, one_of(x, i), memory[i], t[i], touches, scratch, out[i])
+
+
+@compiled
+def error_all(table: FieldTable, x: Row, out: FloatArray) -> None:
+    """`field_error` in all simulations."""
+    for i in range(len(x.qpos)):
+        out[i] = field_error(table, 0, one_of(x, i))
+
+
 def _make(code: str) -> tuple[Callable[..., None], Callable[..., None], Callable[..., None]]:
-    """The three loops over simulations; `code` is the fingerprint that they capture."""
+    """Entry points of the three; `code` is the fingerprint that they capture."""
 
     @compiled_entry
-    def begin(table, qpos, qvel, xpos, xmat, cdof, com, links, dofs, who, memory):  # type: ignore[no-untyped-def]
+    def begin(table, x, who, memory):  # type: ignore[no-untyped-def]
         len(code)
-        for i in range(len(qpos)):
-            if who[i]:
-                x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], com[i], links, dofs)
-                begin_field(table, 0, x, memory[i])
+        begin_all(table, x, who, memory)
 
     @compiled_entry
-    def torque(table, qpos, qvel, xpos, xmat, cdof, com, links, dofs, memory, t, none, out):  # type: ignore[no-untyped-def]
+    def torque(table, x, memory, t, touches, room, out):  # type: ignore[no-untyped-def]
         len(code)
-        scratch = np.zeros((2, MOST_KNOTS))
-        for i in range(len(qpos)):
-            x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], com[i], links, dofs)
-            add_torque(table, 0, x, memory[i], t[i], none, scratch, out[i])
+        torque_all(table, x, memory, t, touches, room, out)
 
     @compiled_entry
-    def error(table, qpos, qvel, xpos, xmat, cdof, com, links, dofs, out):  # type: ignore[no-untyped-def]
+    def error(table, x, out):  # type: ignore[no-untyped-def]
         len(code)
-        for i in range(len(qpos)):
-            x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], com[i], links, dofs)
-            out[i] = field_error(table, 0, x)
+        error_all(table, x, out)
 
     return begin, torque, error
 

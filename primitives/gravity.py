@@ -10,7 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from primitives.compiled import compiled
-from primitives.mechanics import Row, axis_torque, cross, scale, subtract, vector
+from primitives.mechanics import (
+    Row,
+    cross,
+    joint_torque,
+    scale,
+    subtract,
+    tree_centre,
+    vector,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -18,8 +26,13 @@ FloatArray = NDArray[np.float64]
 @compiled
 def carry_weight(x: Row, gravity: FloatArray, out: FloatArray) -> None:
     """out += the torques [N m] (nv,) that hold the body up against gravity (3,) [m/s^2]."""
+    carried = -1
+    force = moment = (0.0, 0.0, 0.0)
     for j in range(out.shape[0]):
         link = x.dofs[j].link
-        force = scale(-x.links[link].mass, vector(gravity))
-        arm = subtract(vector(x.com[link]), vector(x.com[x.links[link].root]))
-        out[j] += axis_torque(x.cdof[j], cross(arm, force), force)
+        if link != carried:  # joints of the same link carry the same
+            carried = link
+            force = scale(-x.links[link].mass, vector(gravity))
+            centre = x.com[link, 0], x.com[link, 1], x.com[link, 2]
+            moment = cross(subtract(centre, tree_centre(x, link)), force)
+        out[j] += joint_torque(x, j, moment, force)

@@ -15,18 +15,21 @@ from primitives.compiled import Record, Records, compiled
 from primitives.mechanics import (
     Row,
     add,
-    axis_torque,
     cross,
     dot,
+    joint_torque,
+    origin,
     point_velocity,
     rotate,
     scale,
+    spin,
+    store,
     subtract,
     to_link,
     to_world,
+    tree_centre,
     turn_between,
     turn_error,
-    twist,
     unit,
     unrotate,
     vector,
@@ -76,7 +79,7 @@ REMEMBERED = 12  # start of the palm, and of its normal, fingers and upper arm, 
 @compiled
 def upper_arm_direction(x: Row, r: Record) -> tuple[float, float, float]:
     """Unit vector from shoulder to elbow."""
-    return unit(subtract(vector(x.xpos[r.forearm]), vector(x.xpos[r.upper_arm])))
+    return unit(subtract(origin(x, r.forearm), origin(x, r.upper_arm)))
 
 
 @compiled
@@ -88,11 +91,11 @@ def palm_position(x: Row, r: Record) -> tuple[float, float, float]:
 @compiled
 def begin_reach(x: Row, r: Record, memory: FloatArray) -> None:
     """Remember where palm and upper arm are, and how the hand is turned on the forearm."""
-    memory[0:3] = to_link(x, r.root, palm_position(x, r))
-    wrist = x.xmat[r.forearm]
-    memory[3:6] = unrotate(wrist, rotate(x.xmat[r.hand], vector(r.palm_normal)))
-    memory[6:9] = unrotate(wrist, rotate(x.xmat[r.hand], vector(r.fingers)))
-    memory[9:12] = unrotate(x.xmat[r.root], upper_arm_direction(x, r))
+    normal, fingers = rotate(x, r.hand, vector(r.palm_normal)), rotate(x, r.hand, vector(r.fingers))
+    store(memory, 0, to_link(x, r.root, palm_position(x, r)))
+    store(memory, 3, unrotate(x, r.forearm, normal))
+    store(memory, 6, unrotate(x, r.forearm, fingers))
+    store(memory, 9, unrotate(x, r.root, upper_arm_direction(x, r)))
 
 
 @compiled
@@ -119,11 +122,10 @@ def impedance(
         rate: derivative of the weights [1/s].
         out: (nv,) [N m]
     """
-    frame = x.xmat[r.root]
-    c = vector(x.com[x.links[r.hand].root])
+    c = tree_centre(x, r.hand)
 
     # The set point of the palm, and the force that pulls it there (eq 7).
-    start = to_world(x, r.root, vector(memory[0:3]))
+    start = to_world(x, r.root, (memory[0], memory[1], memory[2]))
     wanted, speed = scale(weight[0], start), scale(rate[0], start)
     for k in range(1, weight.shape[0]):
         p = points[r.points + k - 1]
@@ -139,47 +141,47 @@ def impedance(
     # The moment that turns the palm: at first as it was on the forearm, in the end as the
     # goal has it. The fingers stay in line with the forearm unless the goal says otherwise.
     late = minimum_jerk((share - PALM_WAITS) / (1.0 - PALM_WAITS))
-    wrist = x.xmat[r.forearm]
-    normal = rotate(wrist, vector(memory[3:6]))
+    normal = rotate(x, r.forearm, (memory[3], memory[4], memory[5]))
     if r.turns_palm:
-        goal = rotate(x.xmat[r.normal_link], vector(r.normal_goal))
+        goal = rotate(x, r.normal_link, vector(r.normal_goal))
         normal = turn_between(normal, goal, late)
     if r.turns_fingers:
-        goal = rotate(frame, vector(r.fingers_goal))
+        goal = rotate(x, r.root, vector(r.fingers_goal))
     else:
-        goal = unit(subtract(vector(x.xpos[r.hand]), vector(x.xpos[r.forearm])))
+        goal = unit(subtract(origin(x, r.hand), origin(x, r.forearm)))
     firmness = 1.0 if r.turns_fingers else 1.0 - (1.0 - LOOSELY) * late
-    fingers = turn_between(rotate(wrist, vector(memory[6:9])), goal, late)
+    fingers = rotate(x, r.forearm, (memory[6], memory[7], memory[8]))
+    fingers = turn_between(fingers, goal, late)
     fingers = unit(subtract(fingers, scale(dot(fingers, normal), normal)))
     moment = add(
-        turn_error(rotate(x.xmat[r.hand], vector(r.palm_normal)), normal),
-        scale(firmness, turn_error(rotate(x.xmat[r.hand], vector(r.fingers)), fingers)),
+        turn_error(rotate(x, r.hand, vector(r.palm_normal)), normal),
+        scale(firmness, turn_error(rotate(x, r.hand, vector(r.fingers)), fingers)),
     )
-    spin = twist(x, r.hand)[0]
-    moment = subtract(scale(r.turn_stiffness, moment), scale(r.turn_damping, spin))
+    moment = subtract(scale(r.turn_stiffness, moment), scale(r.turn_damping, spin(x, r.hand)))
 
     # J_h^T F_h over the joints of the arm (eq 8).
     moment = add(moment, cross(subtract(palm, c), force))
     base = x.links[r.root].last_dof
     j = x.links[r.hand].last_dof
     while j != base:
-        out[j] += axis_torque(x.cdof[j], moment, force)
+        out[j] += joint_torque(x, j, moment, force)
         j = x.dofs[j].parent
 
     # J_e^T F_e and b_shoulder over the joints of the shoulder (eq 9).
     moment = (0.0, 0.0, 0.0)
     if r.turns_upper_arm:
-        goal = rotate(frame, vector(r.upper_arm_goal))
-        wanted = turn_between(rotate(frame, vector(memory[9:12])), goal, minimum_jerk(share))
+        goal = rotate(x, r.root, vector(r.upper_arm_goal))
+        began = rotate(x, r.root, (memory[9], memory[10], memory[11]))
+        wanted = turn_between(began, goal, minimum_jerk(share))
         along = upper_arm_direction(x, r)
-        spin = twist(x, r.upper_arm)[0]
-        swing = subtract(spin, scale(dot(spin, along), along))
+        turning = spin(x, r.upper_arm)
+        swing = subtract(turning, scale(dot(turning, along), along))
         moment = subtract(
             scale(r.upper_arm_stiffness, turn_error(along, wanted)),
             scale(r.upper_arm_damping, swing),
         )
     j = x.links[r.upper_arm].last_dof
     while j != base:
-        out[j] += axis_torque(x.cdof[j], moment, (0.0, 0.0, 0.0))
+        out[j] += joint_torque(x, j, moment, (0.0, 0.0, 0.0))
         out[j] -= r.shoulder_damping * x.qvel[j]
         j = x.dofs[j].parent

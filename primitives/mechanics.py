@@ -3,6 +3,7 @@
 MuJoCo's `cdof` holds one motion axis per degree of freedom, (angular w, linear v), taken
 about the centre of mass c of the kinematic tree. A point p of a link that the axis moves
 has the velocity v + w x (p - c), so J^T F = w . ((p - c) x F) + v . F: no Jacobian is stored.
+`cvel` holds the velocities of the links in the same form.
 """
 
 from typing import NamedTuple
@@ -55,6 +56,7 @@ class Row(NamedTuple):
     xpos: FloatArray  # (nbody, 3)
     xmat: FloatArray  # (nbody, 9)
     cdof: FloatArray  # (nv, 6)
+    cvel: FloatArray  # (nbody, 6)
     com: FloatArray  # (nbody, 3)
     links: Records
     dofs: Records
@@ -111,74 +113,86 @@ def vector(a: FloatArray) -> Vector:
 
 
 @compiled
-def rotate(m: FloatArray, a: Vector) -> Vector:
-    """Rotate out of a link's frame by its matrix m (9,)."""
+def store(array: FloatArray, at: int, a: Vector) -> None:
+    """Write a vector into an array."""
+    array[at], array[at + 1], array[at + 2] = a
+
+
+@compiled
+def rotate(x: Row, link: int, a: Vector) -> Vector:
+    """Rotate out of a link's frame."""
+    m = x.xmat
     return (
-        m[0] * a[0] + m[1] * a[1] + m[2] * a[2],
-        m[3] * a[0] + m[4] * a[1] + m[5] * a[2],
-        m[6] * a[0] + m[7] * a[1] + m[8] * a[2],
+        m[link, 0] * a[0] + m[link, 1] * a[1] + m[link, 2] * a[2],
+        m[link, 3] * a[0] + m[link, 4] * a[1] + m[link, 5] * a[2],
+        m[link, 6] * a[0] + m[link, 7] * a[1] + m[link, 8] * a[2],
     )
 
 
 @compiled
-def unrotate(m: FloatArray, a: Vector) -> Vector:
-    """Rotate into a link's frame by the transpose of its matrix m (9,)."""
+def unrotate(x: Row, link: int, a: Vector) -> Vector:
+    """Rotate into a link's frame."""
+    m = x.xmat
     return (
-        m[0] * a[0] + m[3] * a[1] + m[6] * a[2],
-        m[1] * a[0] + m[4] * a[1] + m[7] * a[2],
-        m[2] * a[0] + m[5] * a[1] + m[8] * a[2],
+        m[link, 0] * a[0] + m[link, 3] * a[1] + m[link, 6] * a[2],
+        m[link, 1] * a[0] + m[link, 4] * a[1] + m[link, 7] * a[2],
+        m[link, 2] * a[0] + m[link, 5] * a[1] + m[link, 8] * a[2],
     )
+
+
+@compiled
+def origin(x: Row, link: int) -> Vector:
+    """Origin of a link in the world."""
+    return x.xpos[link, 0], x.xpos[link, 1], x.xpos[link, 2]
+
+
+@compiled
+def tree_centre(x: Row, link: int) -> Vector:
+    """The c of a link: centre of mass of its kinematic tree."""
+    root = x.links[link].root
+    return x.com[root, 0], x.com[root, 1], x.com[root, 2]
 
 
 @compiled
 def to_world(x: Row, link: int, point: Vector) -> Vector:
     """World position of a point fixed to a link."""
-    return add(vector(x.xpos[link]), rotate(x.xmat[link], point))
+    return add(origin(x, link), rotate(x, link, point))
 
 
 @compiled
 def to_link(x: Row, link: int, point: Vector) -> Vector:
     """Position in a link's frame of a point of the world."""
-    return unrotate(x.xmat[link], subtract(point, vector(x.xpos[link])))
+    return unrotate(x, link, subtract(point, origin(x, link)))
 
 
 @compiled
-def twist(x: Row, link: int) -> tuple[Vector, Vector]:
-    """Angular velocity of a link, and linear velocity of the point of it at its tree's c."""
-    angular = (0.0, 0.0, 0.0)
-    linear = (0.0, 0.0, 0.0)
-    j = x.links[link].last_dof
-    while j >= 0:
-        axis = x.cdof[j]
-        angular = add(angular, scale(x.qvel[j], (axis[0], axis[1], axis[2])))
-        linear = add(linear, scale(x.qvel[j], (axis[3], axis[4], axis[5])))
-        j = x.dofs[j].parent
-    return angular, linear
+def spin(x: Row, link: int) -> Vector:
+    """Angular velocity of a link [rad/s]."""
+    return x.cvel[link, 0], x.cvel[link, 1], x.cvel[link, 2]
 
 
 @compiled
 def point_velocity(x: Row, link: int, point: Vector) -> Vector:
     """Velocity of the point of a link that is at `point` in the world [m/s]."""
-    angular, linear = twist(x, link)
-    arm = subtract(point, vector(x.com[x.links[link].root]))
-    return add(linear, cross(angular, arm))
+    linear = x.cvel[link, 3], x.cvel[link, 4], x.cvel[link, 5]
+    return add(linear, cross(spin(x, link), subtract(point, tree_centre(x, link))))
 
 
 @compiled
-def axis_torque(axis: FloatArray, moment: Vector, force: Vector) -> float:
-    """Torque about one motion axis of a wrench that is taken about c."""
-    angular = (axis[0], axis[1], axis[2])
-    linear = (axis[3], axis[4], axis[5])
+def joint_torque(x: Row, j: int, moment: Vector, force: Vector) -> float:
+    """Torque about joint j of a wrench that is taken about c."""
+    s = x.cdof
+    angular = s[j, 0], s[j, 1], s[j, 2]
+    linear = s[j, 3], s[j, 4], s[j, 5]
     return dot(angular, moment) + dot(linear, force)
 
 
 @compiled
-def push_point(x: Row, link: int, point: Vector, force: Vector, out: FloatArray) -> None:
-    """out += J^T F of a force [N] on a point of a link, over every joint that carries it."""
-    moment = cross(subtract(point, vector(x.com[x.links[link].root])), force)
+def push_link(x: Row, link: int, moment: Vector, force: Vector, out: FloatArray) -> None:
+    """out += J^T of a wrench on a link, taken about c, over every joint that carries it."""
     j = x.links[link].last_dof
     while j >= 0:
-        out[j] += axis_torque(x.cdof[j], moment, force)
+        out[j] += joint_torque(x, j, moment, force)
         j = x.dofs[j].parent
 
 

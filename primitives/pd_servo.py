@@ -35,14 +35,17 @@ def pd_servo(
         rate: derivative of the weights [1/s]
         out: (nv,) [N m]
     """
-    nv = stiffness.shape[0]
+    nv, postures = stiffness.shape[0], weight.shape[0] - 1
+    settled = weight[postures] == 1.0 and rate[postures] == 0.0
     for j in range(nv):
         if stiffness[j] == 0.0 and damping[j] == 0.0:
             continue
-        wanted, speed = weight[0] * start[j], rate[0] * start[j]
-        for k in range(1, weight.shape[0]):
-            angle = knots[(k - 1) * nv + j]
-            wanted += weight[k] * angle
-            speed += rate[k] * angle
+        wanted, speed = knots[(postures - 1) * nv + j], 0.0
+        if not settled:
+            wanted, speed = weight[0] * start[j], rate[0] * start[j]
+            for k in range(postures):
+                angle = knots[k * nv + j]
+                wanted += weight[k + 1] * angle
+                speed += rate[k + 1] * angle
         angle = x.qpos[x.dofs[j].qpos]
         out[j] += stiffness[j] * (wanted - angle) + damping[j] * (speed - x.qvel[j])

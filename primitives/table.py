@@ -15,7 +15,7 @@ from primitives.gravity import carry_weight
 from primitives.impedance import POINT, REACH, REMEMBERED, begin_reach, impedance, palm_position
 from primitives.mechanics import Row, dot, subtract, to_world, vector
 from primitives.pd_servo import pd_servo
-from primitives.repulsion import CAPSULE, GUARD, PAIR, TOUCH, repel
+from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR, TOUCH, repel
 from primitives.set_point import (
     MOST_KNOTS,
     POWERS,
@@ -50,8 +50,26 @@ class FieldTable(NamedTuple):
     reaches: Records  # REACH
     points: Records  # POINT
     guards: Records  # GUARD
+    guarded: Records  # GUARDED
     pairs: Records  # PAIR
     capsules: Records  # CAPSULE
+
+
+class Scratch(NamedTuple):
+    """Room for compiled code to work in, one for each thread."""
+
+    weight: FloatArray  # (MOST_KNOTS,)
+    rate: FloatArray  # (MOST_KNOTS,)
+    balls: FloatArray  # (guarded, 3)
+    wrenches: FloatArray  # (guarded, 6)
+    placed: FloatArray  # (capsules, 7)
+
+
+def make_scratch(table: FieldTable, threads: int) -> tuple[FloatArray, ...]:
+    """Room for each thread, in the order of `Scratch` with the threads in front."""
+    guarded, capsules = len(table.guarded), len(table.capsules)
+    sizes = ((MOST_KNOTS,), (MOST_KNOTS,), (guarded, 3), (guarded, 6), (capsules, 7))
+    return tuple(np.zeros((threads, *size)) for size in sizes)
 
 
 class TableBuilder:
@@ -65,7 +83,7 @@ class TableBuilder:
         self._used = 0
         self._curves: dict[tuple[Profile, tuple[float, ...]], int] = {}
         self._records: dict[np.dtype[np.void], list[Records]] = {
-            kind: [] for kind in (REACH, POINT, GUARD, PAIR, CAPSULE)
+            kind: [] for kind in (REACH, POINT, GUARD, GUARDED, PAIR, CAPSULE)
         }
         self._counts = dict.fromkeys(self._records, 0)
 
@@ -125,6 +143,7 @@ class TableBuilder:
             reaches=joined(REACH),
             points=joined(POINT),
             guards=joined(GUARD),
+            guarded=joined(GUARDED),
             pairs=joined(PAIR),
             capsules=joined(CAPSULE),
         )
@@ -155,7 +174,7 @@ def add_torque(
     memory: FloatArray,
     t: float,
     touches: Records,
-    scratch: FloatArray,
+    scratch: Scratch,
     out: FloatArray,
 ) -> None:
     """out += the torques (nv,) [N m] of field f, t seconds after it was switched on.
@@ -167,7 +186,7 @@ def add_torque(
         memory: what `begin_field` remembered.
         t: [s]
         touches: rows of TOUCH, for fields that keep links apart.
-        scratch: (2, MOST_KNOTS) to work in.
+        scratch: to work in.
         out: (nv,) [N m]
     """
     field = table.fields[f]
@@ -177,7 +196,7 @@ def add_torque(
         times = table.numbers[field.curve : field.curve + knots]
         at = field.curve + knots
         coefficients = table.numbers[at : at + (knots - 1) * POWERS * knots]
-        weight, rate = scratch[0, :knots], scratch[1, :knots]
+        weight, rate = scratch.weight[:knots], scratch.rate[:knots]
         share = t / field.duration
         weigh_knots(share, times, coefficients, weight, rate)
         for k in range(knots):
@@ -189,7 +208,11 @@ def add_torque(
             reach = table.reaches[field.row]
             impedance(x, reach, table.points, memory, share, weight, rate, out)
     elif field.kind == GUARDING:
-        repel(x, table.guards[field.row], table.pairs, table.capsules, touches, out)
+        guard = table.guards[field.row]
+        repel(
+            x, guard, table.guarded, table.pairs, table.capsules, touches,
+            scratch.balls, scratch.wrenches, scratch.placed, out,
+        )  # fmt: skip
     elif field.kind == WEIGHT:
         carry_weight(x, table.numbers[field.row : field.row + 3], out)
 
@@ -228,14 +251,15 @@ def touch_of(table: FieldTable, f: int, t: float, touch: Record) -> bool:
 
 __all__ = [
     "FIELD",
-    "MOST_KNOTS",
     "PLAIN",
     "TOUCH",
     "FieldTable",
+    "Scratch",
     "TableBuilder",
     "add_torque",
     "begin_field",
     "field_error",
+    "make_scratch",
     "memory_size",
     "touch_of",
 ]

@@ -199,12 +199,14 @@ class Recorder:
             except OSError as problem:
                 raise RecordingError(f"cannot write {part}: {problem.strerror}") from None
 
-    def take(self, state: State, contribution: FloatArray, channels: NDArray[np.int32]) -> None:
+    def take(
+        self, state: State, contribution: FloatArray | None, channels: NDArray[np.int32]
+    ) -> None:
         """Begin a row: the state, and which primitive asks for what.
 
         Args:
             state: of n simulations.
-            contribution: (n, channels, nv) [N m]
+            contribution: (n, channels, nv) [N m]; None if they are not kept
             channels: (n, channels) which of `names` each is, -1 for nobody.
         """
         time, qpos, qvel, _, asked, who = self._chunk

@@ -1,6 +1,6 @@
 """What a controller may see: live views of the simulations, one row each."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Self
 
 import mujoco
@@ -24,6 +24,7 @@ class State:
     xpos: FloatArray  # (n, nbody, 3) origins of the links
     xmat: FloatArray  # (n, nbody, 9) rotation matrices of the links, row by row
     cdof: FloatArray  # (n, nv, 6) motion axes, angular then linear, about subtree_com[root]
+    cvel: FloatArray  # (n, nbody, 6) velocities of the links, likewise
     subtree_com: FloatArray  # (n, nbody, 3) centre of mass of each link and all it carries
     qfrc_bias: FloatArray  # (n, nv) gravity and Coriolis torques [N m]
 
@@ -31,6 +32,11 @@ class State:
     def n(self) -> int:
         """Number of simulations."""
         return len(self.time)
+
+    def of_one(self, simulation: int) -> Self:
+        """The state of one of the simulations, as n = 1."""
+        own = slice(simulation, simulation + 1)
+        return type(self)(*(getattr(self, field.name)[own] for field in fields(self)))
 
     @classmethod
     def of(cls, data: mujoco.MjData) -> Self:
@@ -47,6 +53,7 @@ class State:
             xpos=data.xpos[None],
             xmat=data.xmat[None],
             cdof=data.cdof[None],
+            cvel=data.cvel[None],
             subtree_com=data.subtree_com[None],
             qfrc_bias=data.qfrc_bias[None],
         )

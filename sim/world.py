@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import mujoco.batch
@@ -71,7 +72,6 @@ class World:
         self._ctrl = batch.bind("ctrl")
         self._motors = body.motor_dofs
         self._direct = np.array_equal(self._motors, np.arange(body.nv))
-        self.torque = batch.bind("qfrc_actuator")  # (n, nv) applied in the last step [N m]
         self._pushes = [(p, body.link(p.link)) for p in pushes]
         self._force = batch.bind("xfrc_applied") if pushes else None
         self.state = State(
@@ -81,6 +81,7 @@ class World:
             xpos=batch.bind("xpos"),
             xmat=batch.bind("xmat"),
             cdof=batch.bind("cdof"),
+            cvel=batch.bind("cvel"),
             subtree_com=batch.bind("subtree_com"),
             qfrc_bias=batch.bind("qfrc_bias"),
         )
@@ -104,6 +105,16 @@ class World:
         if self._force is not None:
             self._push(self._force)
         self._batch.step(stage=_KINEMATICS)
+
+    @cached_property
+    def torque(self) -> FloatArray:
+        """The torques (n, nv) [N m] that the motors applied in the last step: a live view.
+
+        It is copied out of the physics from the first time that it is asked for, and shows
+        zeros until the step after that.
+        """
+        applied: FloatArray = self._batch.bind("qfrc_actuator")
+        return applied
 
     def check(self) -> None:
         """Raise `Diverged` if the physics of any simulation has gone wrong.

@@ -14,7 +14,7 @@ FLOORS = ("sim", "primitives", "specs", "arbiter", "adonis")  # from the ground 
 # Third parties that only these may import.
 OWNERS = {
     "mujoco": {"sim"},
-    "numba": {"primitives"},
+    "numba": {"primitives", "arbiter"},
     "ruamel": {"specs"},
     "networkx": {"specs", "arbiter"},
     "typer": {"adonis"},

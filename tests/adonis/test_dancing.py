@@ -50,7 +50,7 @@ def test_an_interrupted_run_keeps_what_there_was(dance) -> None:
         if share > 0.2:
             raise KeyboardInterrupt
 
-    with pytest.raises(Stopped, match="interrupted at 1.6") as caught:
+    with pytest.raises(Stopped, match=r"interrupted at 1\.6") as caught:
         run_task(dance.task, progress=interrupt)
     assert not caught.value.recordings[0].complete
 

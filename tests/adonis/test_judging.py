@@ -7,7 +7,7 @@ import pytest
 
 from adonis.dancing import random_start, run_task
 from adonis.judging import Judgement, judge
-from primitives import GoToPoint
+from primitives import GoToPoint, Place
 from sim import Body, BodyMap, Push, adonis
 from sim.anthropometry import FEMALE
 from specs import SubTask, TaskSpec, bind_task, load_task, with_tempo
@@ -165,5 +165,5 @@ def test_a_place_that_is_no_landmark_is_judged_too(body: Body) -> None:
     )
     good = danced(spec, body, spec)
     assert good.success
-    other = with_does(spec, "a", to={"near": "chest.front", "away": 0.35})
+    other = with_does(spec, "a", to=Place(near="chest.front", away=0.35))
     assert "a" in failed(danced(spec, body, other))

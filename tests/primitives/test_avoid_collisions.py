@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from primitives import AvoidCollisions, CompensateGravity
-from primitives.repulsion import closest_points
+from primitives.repulsion import closest_on_segments
 from sim import Body, World
 
 coordinate = st.floats(-0.5, 0.5)
@@ -16,8 +16,11 @@ point = st.tuples(coordinate, coordinate, coordinate)
 
 @given(point, point, point, point)
 def test_no_other_points_of_the_segments_are_closer(a0, a1, b0, b1) -> None:
-    pa, pb = closest_points(a0, a1, b0, b1)
-    nearest = np.linalg.norm(np.subtract(pa, pb))
+    middles = 0.5 * np.add(a0, a1), 0.5 * np.add(b0, b1)
+    u, v, w = 0.5 * np.subtract(a1, a0), 0.5 * np.subtract(b1, b0), middles[0] - middles[1]
+    along, across = closest_on_segments(tuple(u), u @ u, tuple(v), v @ v, tuple(w))
+    assert max(abs(along), abs(across)) <= 1.0
+    nearest = np.linalg.norm(w + along * u - across * v)
     s = np.linspace(0, 1, 41)[:, None]
     on_a = np.array(a0) + s * np.subtract(a1, a0)
     on_b = np.array(b0) + s * np.subtract(b1, b0)

@@ -11,10 +11,10 @@ from primitives.mechanics import (
     dof_table,
     link_table,
     point_velocity,
-    push_point,
+    push_link,
+    spin,
     turn_between,
     turn_error,
-    twist,
 )
 from sim import Body
 
@@ -26,7 +26,7 @@ def row(body: Body, seed: int) -> tuple[mujoco.MjData, Row]:
     data.qvel[:] = rng.uniform(-2.0, 2.0, body.nv)
     mujoco.mj_forward(body.model, data)
     x = Row(
-        data.qpos, data.qvel, data.xpos, data.xmat, data.cdof, data.subtree_com,
+        data.qpos, data.qvel, data.xpos, data.xmat, data.cdof, data.cvel, data.subtree_com,
         link_table(body), dof_table(body),
     )  # fmt: skip
     return data, x
@@ -42,12 +42,13 @@ def test_a_force_on_a_point_is_its_jacobian_transposed(body: Body, seed: int, li
     jacobian, turning = np.zeros((3, body.nv)), np.zeros((3, body.nv))
     mujoco.mj_jac(body.model, data, jacobian, turning, point, index)
     out = np.zeros(body.nv)
-    push_point(x, index, tuple(point), tuple(force), out)
+    centre = data.subtree_com[body.model.body_rootid[index]]
+    push_link(x, index, tuple(np.cross(point - centre, force)), tuple(force), out)
     np.testing.assert_allclose(out, jacobian.T @ force, atol=1e-9)
     np.testing.assert_allclose(
         point_velocity(x, index, tuple(point)), jacobian @ data.qvel, atol=1e-9
     )
-    np.testing.assert_allclose(twist(x, index)[0], turning @ data.qvel, atol=1e-9)
+    np.testing.assert_allclose(spin(x, index), turning @ data.qvel, atol=1e-9)
 
 
 def test_the_velocity_of_a_point_is_its_finite_difference(body: Body) -> None:

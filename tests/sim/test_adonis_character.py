@@ -56,8 +56,9 @@ def test_every_joint_is_limited_in_angle_and_torque_and_is_damped(body: Body) ->
 
 def test_motors_do_not_exceed_their_limits(body: Body) -> None:
     world = World(body)
+    applied = world.torque
     world.step(np.full((1, body.nv), 1e4))
-    np.testing.assert_allclose(world.torque[0], body.torque_limit)
+    np.testing.assert_allclose(applied[0], body.torque_limit)
 
 
 @pytest.mark.parametrize("name", ["limits", "contacts"])

@@ -40,7 +40,7 @@ def test_state_is_that_of_plain_mujoco(body: Body) -> None:
     mujoco.mj_forward(body.model, data)
     one = State.of(data)
     assert one.n == 1
-    for name in ("xpos", "xmat", "cdof", "subtree_com", "qfrc_bias"):
+    for name in ("xpos", "xmat", "cdof", "cvel", "subtree_com", "qfrc_bias"):
         np.testing.assert_allclose(
             getattr(world.state, name)[1], getattr(one, name)[0], atol=1e-12, err_msg=name
         )
