@@ -27,7 +27,7 @@ class AvoidCollisions(Primitive):
     pairs: tuple[tuple[str, str], ...] | None = None  # of links; default: the body's keep_apart
     range: Positive = 0.015  # distance of the surfaces at which it begins to push [m]
     stiffness: Positive = 800.0  # force at contact, per metre of range [N/m]
-    damping: NonNegative = 60.0  # of drawing nearer [N s/m]
+    damping: NonNegative = 20.0  # of drawing nearer [N s/m]
 
     def bind(self, body: Body, duration: float) -> "GuardField":
         """See `Primitive.bind`."""

@@ -25,6 +25,8 @@ SKIN = (0.85, 0.64, 0.52, 1.0)
 SHIRT = (0.16, 0.42, 0.62, 1.0)
 TROUSERS = (0.20, 0.21, 0.25, 1.0)
 DARK = (0.13, 0.10, 0.09, 1.0)
+FRICTION = 0.2  # clothed skin on skin
+SOFTNESS = [0.02, 1.0]  # of flesh in contact: time constant [s] and damping ratio
 SIDES = {"right": -1.0, "left": 1.0}
 
 # Range [deg], torque limit [N m] (joint torque bounds of the BSD-licensed human.urdf),
@@ -358,7 +360,11 @@ class _Builder:
     def _pair(self, one: str, other: str) -> None:
         if self.contacts:
             self.spec.add_pair(
-                geomname1=one, geomname2=other, condim=3, solref=[0.012, 1.0], friction=[0.4] * 5
+                geomname1=one,
+                geomname2=other,
+                condim=3,
+                solref=SOFTNESS,
+                friction=[FRICTION] * 2 + [0.005, 0.0001, 0.0001],
             )
 
     def _capsule(
@@ -371,8 +377,8 @@ class _Builder:
             size=[radius, 0, 0],
             rgba=list(rgba),
             condim=3,
-            friction=[0.4, 0.005, 0.0001],
-            solref=[0.012, 1.0],
+            friction=[FRICTION, 0.005, 0.0001],
+            solref=SOFTNESS,
             mass=0.0,
         )
 
