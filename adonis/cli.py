@@ -4,17 +4,37 @@ import os
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
+from typer.core import TyperGroup
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
+    from adonis.dancing import FloatArray, Stopped
     from adonis.judging import Judgement
+    from adonis.reporting import Results
     from specs import BoundTask, Document, TaskSpec
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+FEWEST_ROWS = 2  # of a recording that is worth keeping: fewer are no movement
+
+
+class Commands(TyperGroup):
+    """The commands; Ctrl-C ends any of them with one word and the code that shells use."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was asked for."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            typer.echo("adonis: interrupted", err=True)
+            sys.exit(INTERRUPTED)
+
 
 app = typer.Typer(
+    cls=Commands,
     help="Compose motor primitives on articulated bodies: describe a movement, watch it done.",
     no_args_is_help=True,
     add_completion=False,
@@ -61,8 +81,10 @@ def run(
     task: TaskArgument,
     body: BodyOption = "adonis",
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder for the results [default: runs/TASK]."),
+        str | None,
+        typer.Option(
+            "--out", metavar="DIR", help="Folder for the results.", show_default="runs/TASK"
+        ),
     ] = None,
     video: Annotated[bool, typer.Option("--video", help="Render an MP4 as well.")] = False,
     tempo: TempoOption = None,
@@ -86,63 +108,27 @@ def run(
     [dim]adonis run macarena --video[/dim]
     """
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.markup import escape
 
     console = Console()
+    wished = _path("--out", out)
     bound = _bind(task, body, tempo, primitives, limits=limits, contacts=contacts)
-    from adonis.dancing import Stopped, random_start, run_task
-    from adonis.errors import OutputError
-    from adonis.reporting import prepare_folder, write_results
-    from sim import SimError
-
     spec = bound.spec
-    folder = out or Path("runs") / spec.task
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-    )
-    try:
-        prepare_folder(folder)
-        begin = None
-        if start is Start.random:
-            begin = random_start(bound.body, bound.start, 1, seed)
-        with Progress(*columns, console=console, transient=True) as bar:
-            shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
+    folder = wished or Path("runs") / spec.task
+    begin = None
+    if start is Start.random:
+        from adonis.dancing import random_start
 
-            def moving(share: float, subtask: str) -> None:
-                bar.update(shown, completed=share, description=subtask or "holding")
-
-            stopped = None
-            try:
-                recordings = run_task(
-                    bound, start=begin, seed=seed, part=folder / "recording.npz.part",
-                    progress=moving,
-                )  # fmt: skip
-            except Stopped as problem:
-                stopped, recordings = problem, problem.recordings
-
-            def writing(what: str, share: float) -> None:
-                bar.update(shown, completed=share, description=f"writing: {what}")
-
-            if stopped is not None and len(recordings[0].time) < 2:
-                raise SimError(str(stopped))
-            results = write_results(
-                recordings[0], spec, folder, video=video and stopped is None, progress=writing
-            )
-            (folder / "recording.npz.part").unlink(missing_ok=True)
-    except (OutputError, SimError) as problem:
-        _refuse(problem)
+        begin = random_start(bound.body, bound.start, 1, seed)
+    results, stopped = _perform(console, bound, folder, start=begin, seed=seed, video=video)
     _print_results(console, results.judgement, spec.title or spec.task)
     for notice in results.notices:
-        console.print(f"[yellow]{notice}[/yellow]")
+        console.print(f"[yellow]{escape(notice)}[/yellow]")
     written = ", ".join(path.name for path in results.files.values())
-    console.print(f"Results are in [bold]{folder}[/bold]: {written}", soft_wrap=True)
+    console.print(f"Results are in [bold]{escape(str(folder))}[/bold]: {written}", soft_wrap=True)
     if stopped is not None:
-        console.print(f"[red]stopped:[/red] {stopped}", soft_wrap=True)
-        raise typer.Exit(INTERRUPTED if "interrupted" in str(stopped) else FAILED)
+        console.print(f"[red]stopped:[/red] {escape(str(stopped))}", soft_wrap=True)
+        raise typer.Exit(INTERRUPTED if stopped.interrupted else FAILED)
     raise typer.Exit(0 if results.judgement.success else FAILED)
 
 
@@ -159,13 +145,14 @@ def check(
     Ends with 0 if nothing is wrong, 1 if a goal cannot be reached, 2 if the task makes no sense.
     """
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     from specs import doubts
 
     bound = _bind(task, body, tempo, primitives)
     spec, graph = bound.spec, bound.graph
-    table = Table(title=spec.title or spec.task, title_justify="left")
+    table = Table(title=escape(spec.title or spec.task), title_justify="left")
     for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
                              ("moves", "left"), ("from", "right"), ("to", "right")):  # fmt: skip
         table.add_column(heading, justify=justify)  # type: ignore[arg-type]
@@ -186,7 +173,7 @@ def check(
     )
     found = doubts(bound)
     for doubt in found:
-        console.print(f"[yellow]{doubt}[/yellow]", soft_wrap=True)
+        console.print(f"[yellow]{escape(doubt)}[/yellow]", soft_wrap=True)
     if found:
         raise typer.Exit(FAILED)
     console.print("Nothing wrong was found.")
@@ -249,9 +236,9 @@ def list_all(primitives: PrimitivesOption = None) -> None:
 def trials(
     task: TaskArgument,
     out: Annotated[
-        Path | None,
+        str | None,
         typer.Option(
-            "--out", metavar="DIR", help="Folder for the table [default: runs/TASK-trials]."
+            "--out", metavar="DIR", help="Folder for the table.", show_default="runs/TASK-trials"
         ),
     ] = None,
     starts: Annotated[int, typer.Option(min=0, help="How many random start postures.")] = 20,
@@ -271,8 +258,9 @@ def trials(
     from specs import SpecError
 
     console = Console()
+    wished = _path("--out", out)
     spec, document = _load(task, None, primitives)
-    folder = out or Path("runs") / f"{spec.task}-trials"
+    folder = wished or Path("runs") / f"{spec.task}-trials"
     try:
         with console.status("starting") as status:
             rows = run_trials(
@@ -289,7 +277,7 @@ def trials(
 @app.command()
 def bench(
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Write the JSON here as well.")
+        str | None, typer.Option("--out", metavar="FILE", help="Write the JSON here as well.")
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions.")] = False,
 ) -> None:
@@ -298,17 +286,20 @@ def bench(
 
     from adonis.bench import measure
     from adonis.errors import OutputError
-    from adonis.reporting import write_text
+    from adonis.reporting import prepare_file, write_text
 
-    figures = json.dumps(
-        measure(quick=quick, tell=lambda said: typer.echo(said, err=True)), indent=2
-    )
-    typer.echo(figures)
-    if out is not None:
-        try:
-            write_text(out, figures + "\n")
-        except OutputError as problem:
-            _refuse(problem)
+    file = _path("--out", out)
+    try:
+        if file is not None:
+            prepare_file(file)
+        figures = json.dumps(
+            measure(quick=quick, tell=lambda said: typer.echo(said, err=True)), indent=2
+        )
+        typer.echo(figures)
+        if file is not None:
+            write_text(file, figures + "\n")
+    except OutputError as problem:
+        _refuse(problem)
 
 
 def main() -> None:
@@ -354,27 +345,110 @@ def _bind(
         _refuse(problem)
 
 
+def _perform(
+    console: "Console",
+    bound: "BoundTask",
+    folder: Path,
+    *,
+    start: "FloatArray | None",
+    seed: int,
+    video: bool,
+) -> "tuple[Results, Stopped | None]":
+    """Do a task and write its results; what broke off is kept, if anything was recorded at all.
+
+    If nothing was, the folder is left as it was, and the reason ends the program.
+    """
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    from adonis.dancing import Stopped, run_task
+    from adonis.errors import OutputError
+    from adonis.reporting import prepare_folder, remove_folders, write_results
+    from sim import Recording, SimError
+
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+    )
+    part = folder / "recording.npz.part"
+    recordings: tuple[Recording, ...] = ()
+    stopped: Stopped | None = None
+    made: tuple[Path, ...] = ()
+    ours = False
+    try:
+        made = prepare_folder(folder)
+        ours = not part.exists()
+        with Progress(*columns, console=console, transient=True) as bar:
+            shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
+
+            def moving(share: float, subtask: str) -> None:
+                bar.update(shown, completed=share, description=subtask or "holding")
+
+            def writing(what: str, share: float) -> None:
+                bar.update(shown, completed=share, description=f"writing: {what}")
+
+            try:
+                recordings = run_task(bound, start=start, seed=seed, part=part, progress=moving)
+            except Stopped as problem:
+                if len(problem.recordings[0].time) < FEWEST_ROWS:
+                    raise
+                stopped, recordings = problem, problem.recordings
+            results = write_results(
+                recordings[0], bound.spec, folder, video=video and not stopped, progress=writing
+            )
+            part.unlink(missing_ok=True)
+    except Stopped as problem:
+        if problem.interrupted:
+            raise KeyboardInterrupt from None
+        _refuse(problem)
+    except (OutputError, SimError) as problem:
+        _refuse(problem)
+    finally:
+        if not recordings:
+            if ours:
+                part.unlink(missing_ok=True)
+            remove_folders(made)
+    return results, stopped
+
+
 def _classes(files: list[str] | None) -> "list[type]":
     from specs import SpecError, primitives_in
 
-    try:
-        return [cls for name in files or () for cls in primitives_in(name)]
-    except SpecError as problem:
-        _refuse(problem)
+    found: list[type] = []
+    for name in files or ():
+        is_module = all(part.isidentifier() for part in name.split("."))
+        is_data = Path(name).is_file() or Path(name).suffix in (".yaml", ".yml")
+        if Path(name).suffix != ".py" and (is_data or not is_module):
+            _refuse(f"--primitives: expected a .py file or a module, not {name!r}")
+        try:
+            found += primitives_in(name)
+        except SpecError as problem:
+            _refuse(problem)
+        except SystemExit as problem:
+            _refuse(f"{name}: cannot be imported: it ends the program (code {problem.code})")
+    return found
 
 
-def _refuse(problem: Exception) -> NoReturn:
+def _path(option: str, given: str | None) -> Path | None:
+    """The path that an option names; an empty one is a mistake, not the present folder."""
+    if given is not None and not given.strip():
+        _refuse(f"{option}: expected a path, not {given!r}")
+    return None if given is None else Path(given)
+
+
+def _refuse(problem: Exception | str) -> NoReturn:
     """One clear message, exit code 2."""
     typer.echo(f"adonis: {problem}", err=True)
     sys.exit(BAD_INPUT)
 
 
-def _print_results(console: object, judgement: "Judgement", title: str) -> None:
-    from rich.console import Console
+def _print_results(console: "Console", judgement: "Judgement", title: str) -> None:
+    from rich.markup import escape
     from rich.table import Table
 
-    assert isinstance(console, Console)
-    table = Table(title=title, title_justify="left")
+    table = Table(title=escape(title), title_justify="left")
     for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
                              ("from", "right"), ("to", "right"), ("error", "right"),
                              ("allowed", "right"), ("", "left")):  # fmt: skip
@@ -390,7 +464,7 @@ def _print_results(console: object, judgement: "Judgement", title: str) -> None:
             )
         table.add_row(
             str(number),
-            row["words"] or row["name"],
+            escape(row["words"] or row["name"]),
             row["primitive"],
             "" if row["start"] is None else f"{row['start']:.2f}",
             "" if row["end"] is None else f"{row['end']:.2f}",
@@ -408,9 +482,22 @@ def _print_results(console: object, judgement: "Judgement", title: str) -> None:
             f" allowed {scale * measure.limit:.2f}  {said}{where}",
             soft_wrap=True,
         )
-    verdict_word = "[green]success[/green]" if judgement.success else "[red]failed[/red]"
     total = len(judgement.verdicts)
-    console.print(f"{judgement.passed} of {total} sub-tasks succeeded: {verdict_word}")
+    console.print(
+        f"{judgement.passed} of {total} sub-tasks succeeded{_verdict(judgement)}", soft_wrap=True
+    )
+
+
+def _verdict(judgement: "Judgement") -> str:
+    """How the last line goes on: what else went wrong, where it was not the sub-tasks."""
+    if judgement.success:
+        return ": [green]success[/green]"
+    if judgement.passed < len(judgement.verdicts):
+        return ": [red]failed[/red]"
+    wrong = [c.what for c in judgement.checks if not c.success]
+    if not judgement.complete:
+        wrong.insert(0, "the whole run")
+    return f", but not: [red]{', '.join(wrong)}[/red]"
 
 
 def _why(outcome: str) -> str:

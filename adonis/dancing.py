@@ -18,11 +18,20 @@ LOOK_EVERY = 50  # steps between looks at the health of the physics
 
 
 class Stopped(Exception):
-    """A run that broke off; `recordings` hold what there was until then."""
+    """A run that broke off.
 
-    def __init__(self, message: str, recordings: tuple[Recording, ...]) -> None:
+    Args:
+        message: why.
+        recordings: what there was until then.
+        interrupted: whether the user wanted it so.
+    """
+
+    def __init__(
+        self, message: str, recordings: tuple[Recording, ...], *, interrupted: bool = False
+    ) -> None:
         super().__init__(message)
         self.recordings = recordings
+        self.interrupted = interrupted
 
 
 def run_task(
@@ -77,7 +86,7 @@ def run_task(
     coda = int(np.ceil(task.spec.seconds(task.spec.coda) / body.timestep))
     last: int | None = None if task.may_wait else planned
     step = 0
-    problem: str | None = None
+    problem, interrupted = None, False
     try:
         while last is None or step < last:
             torque = arbiter.torque(world.state)
@@ -97,11 +106,11 @@ def run_task(
     except (Diverged, ArbiterError) as error:
         problem = f"{_cause(world, error)}, during {_present(arbiter) or 'the background'}"
     except KeyboardInterrupt:
-        problem = f"interrupted at {step * body.timestep:.3f} s"
+        problem, interrupted = f"interrupted at {step * body.timestep:.3f} s", True
     spans = [arbiter.spans(i) for i in range(n)]
     recordings = recorder.finish(spans, complete=problem is None)
     if problem is not None:
-        raise Stopped(problem, recordings)
+        raise Stopped(problem, recordings, interrupted=interrupted)
     recorder.discard_part()
     return recordings
 

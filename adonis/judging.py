@@ -75,7 +75,7 @@ class Verdict:
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         does, worst = self.subtask.does, self.worst
-        limb = getattr(does, "limb", None) or ", ".join(getattr(does, "joints", None) or ())
+        limb = ", ".join(_claimed(self.subtask))
         return {
             "name": self.subtask.name,
             "words": self.subtask.words,
@@ -205,13 +205,18 @@ class _Measuring:
             for part, (reading, limit) in readings.items():
                 if part in said:
                     wanted = _direction(said.pop(part))
-                    off = _angle_between(reading(limb)[window], wanted)
+                    off = _angle_between(self._from_carrier(limb, reading(limb))[window], wanted)
                     measures.append(Measure(f"{part} direction", float(off.max()), limit, "deg"))
             if "elbow" in said:
                 value = said.pop("elbow")
                 said[limb.elbow] = 0.0 if value == "straight" else value
             said = {_own(limb, joint): value for joint, value in said.items()}
-        asked = {j: float(a) for j, a in said.items() if isinstance(a, float | int)}
+        asked = {
+            joint: float(angle)
+            for name, angle in said.items()
+            if isinstance(angle, float | int)
+            for joint in self._joints(name)
+        }
         if asked:
             measures.append(self._angles(asked, window))
         return measures
@@ -223,6 +228,12 @@ class _Measuring:
         }
         worst = max(off, key=off.__getitem__)
         return Measure("joint angles", off[worst], ANGLE, "deg", worst)
+
+    def _from_carrier(self, limb: Limb, directions: FloatArray) -> FloatArray:
+        """Directions (T, 3) of the world, seen from the link that carries the limb."""
+        carrier = self.replay.link(self.replay.parent(limb.upper_arm))
+        seen: FloatArray = np.einsum("tij,ti->tj", carrier.axes, directions)
+        return seen
 
     def _arm_direction(self, limb: Limb) -> FloatArray:
         along = self.replay.link(limb.hand).position - self.replay.link(limb.upper_arm).position
@@ -243,7 +254,7 @@ class _Measuring:
         checks = [
             Measure(
                 "worst penetration",
-                -deepest.distance,
+                abs(deepest.distance),
                 PENETRATION,
                 "m",
                 f"{deepest.geoms[0]} and {deepest.geoms[1]} at {deepest.time:.2f} s"
@@ -308,9 +319,16 @@ class _Measuring:
                 found |= set(self.names.groups[name])
             elif name == "all":
                 found |= set(self.names.servos)
-            else:
+            elif self._is_joint(name):
                 found.add(name)
         return found
+
+    def _is_joint(self, name: str) -> bool:
+        try:
+            self.replay.dof(name)
+        except KeyError:
+            return False
+        return True
 
     def _claimed_again(self, subtask: SubTask, task: TaskSpec, spans: dict[str, Span]) -> float:
         """When the next sub-task that claims a joint of this one began, or infinity [s]."""
@@ -324,9 +342,15 @@ class _Measuring:
 
 
 def _claimed(subtask: SubTask) -> Sequence[str]:
-    """The parts of the body that a sub-task moves, as its task file names them."""
+    """The parts of the body that a sub-task moves, as its task file names them.
+
+    A primitive of the user's own may mean something else by those parameters.
+    """
     limb, joints = getattr(subtask.does, "limb", None), getattr(subtask.does, "joints", None)
-    return (limb,) if isinstance(limb, str) else tuple(joints or ())
+    if isinstance(limb, str):
+        return (limb,)
+    listed = joints if isinstance(joints, list | tuple) else ()
+    return tuple(name for name in listed if isinstance(name, str))
 
 
 def _own(limb: Limb, joint: str) -> str:

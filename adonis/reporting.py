@@ -2,7 +2,8 @@
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,18 +37,49 @@ class Results:
     notices: tuple[str, ...]
 
 
-def prepare_folder(folder: Path) -> None:
+def prepare_folder(folder: Path) -> tuple[Path, ...]:
     """Make a folder for results.
+
+    Returns:
+        The folders that had to be made for it, the innermost first.
 
     Raises:
         OutputError: nothing can be written there.
     """
+    made: tuple[Path, ...] = ()
     try:
+        made = tuple(path for path in (folder, *folder.parents) if not path.exists())
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
+        remove_folders(made)
         raise OutputError(f"cannot make the folder {folder}: {problem.strerror}") from None
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OutputError(f"cannot write into the folder {folder}")
+    return made
+
+
+def remove_folders(made: Iterable[Path]) -> None:
+    """Remove folders that were made for nothing, the innermost first, if they are empty."""
+    for folder in made:
+        with suppress(OSError):
+            folder.rmdir()
+
+
+def prepare_file(path: Path) -> None:
+    """Make sure that a text file can be written, before work is put into what it is to hold.
+
+    Raises:
+        OutputError: it cannot.
+    """
+    prepare_folder(path.parent)
+    if path.is_dir():
+        raise OutputError(f"cannot write {path}: it is a folder")
+    draft = _draft(path)
+    try:
+        draft.touch()
+        draft.unlink()
+    except OSError as problem:
+        raise OutputError(f"cannot write {path}: {problem.strerror}") from None
 
 
 def write_results(
@@ -136,6 +168,7 @@ def report_of(recording: Recording, spec: TaskSpec, judgement: Judgement) -> dic
         "largest_hand_over_torque_step": checks["hand-over torque step"].value,
         "largest_torque_step": _largest_step(recording),
         "peak_torque_share": checks["peak torque"].value,
+        "torque_saturation": saturation(recording),
         "versions": about["versions"],
     }
 
@@ -177,13 +210,18 @@ def write_text(path: Path, text: str) -> None:
     Raises:
         OutputError: it cannot be written.
     """
-    draft = path.with_name(path.name + ".tmp")
+    draft = _draft(path)
     try:
         draft.write_text(text, encoding="utf-8")
         os.replace(draft, path)
     except OSError as problem:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):
+            draft.unlink(missing_ok=True)
         raise OutputError(f"cannot write {path}: {problem.strerror}") from None
+
+
+def _draft(path: Path) -> Path:
+    return path.with_name(path.name + ".tmp")
 
 
 def _largest_step(recording: Recording) -> float:
@@ -191,3 +229,10 @@ def _largest_step(recording: Recording) -> float:
     limits = Replay(recording).torque_limits()
     steps = np.abs(np.diff(recording.torque, axis=0)) / limits
     return float(np.nanmax(steps) * 0.002 / recording.timestep)
+
+
+def saturation(recording: Recording) -> float:
+    """Share of the recorded steps in which any motor is at its limit."""
+    limits = Replay(recording).torque_limits()
+    at_limit = np.abs(recording.torque) >= limits * (1.0 - 1e-9)  # never where there is no motor
+    return float(at_limit.any(axis=1).mean())

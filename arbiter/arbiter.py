@@ -3,8 +3,9 @@
 tau(t) = sum_i a_i(t) phi_i(q, q', t)
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from primitives.mechanics import dof_table, link_table
 from primitives.table import PLAIN, TOUCH, TableBuilder, make_scratch, memory_size
 from sim import Span, State
 from specs import BoundTask
+from specs.blame import told
 
 FloatArray = NDArray[np.float64]
 SHARE_FROM = 256  # simulations: below, waking another thread costs more than it saves
@@ -99,7 +101,8 @@ class Arbiter:
         The array is the arbiter's own and is overwritten by the next call.
 
         Raises:
-            ArbiterError: the state is of another size, or a torque is not finite.
+            ArbiterError: the state is of another size, a torque is not finite, or a primitive in
+                plain Python raised something or returned what is no torque.
         """
         arrays = self._arrays(state)
         if self._plain:
@@ -189,10 +192,42 @@ class Arbiter:
                 continue
             fresh = on & (state.time - start < 0.999 * self.task.body.timestep)
             if fresh.any():
-                field.begin(state, fresh)
+                self._ask(place, "begin", field.begin, state, fresh)
             since = np.where(on, state.time - start, 0.0)
-            self._plain_torque[:, row] = field.torque(state, since)
-            self._plain_error[:, row] = field.error(state)
+            torque = self._ask(place, "torque", field.torque, state, since)
+            self._plain_torque[:, row] = self._numbers(place, "torque", torque, ("n", "nv"))
+            error = self._ask(place, "error", field.error, state)
+            self._plain_error[:, row] = self._numbers(place, "error", error, ("n",))
+
+    def _ask(self, place: int, part: str, method: Callable[..., object], *given: object) -> object:
+        """Call somebody's own code; whatever it raises is told with the primitive's name."""
+        try:
+            return method(*given)
+        except (Exception, SystemExit) as problem:
+            raise ArbiterError(
+                f"the {part} of {self.names[place]!r} raised {told(problem)}"
+            ) from problem
+
+    def _numbers(
+        self, place: int, part: str, returned: object, shape: tuple[str, ...]
+    ) -> NDArray[Any]:
+        """What somebody's own code returned, if it is what was expected."""
+        sizes = {"n": self.n, "nv": self.task.body.nv}
+        expected = tuple(sizes[size] for size in shape)
+        try:
+            array = np.asarray(returned)
+        except Exception:  # rows of different lengths, or whatever it makes of itself
+            array = np.array(None)
+        if array.shape == expected and array.dtype.kind in "fiu":
+            return array
+        got = "None" if returned is None else f"something of type {type(returned).__name__}"
+        if array.ndim:
+            got = f"{array.dtype} of shape {array.shape}"
+        comma = "," if len(shape) == 1 else ""
+        raise ArbiterError(
+            f"the {part} of {self.names[place]!r} returned {got}; expected numbers of shape"
+            f" ({', '.join(shape)}{comma}), here {expected}"
+        )
 
     def _not_finite(self, state: State, simulation: int) -> ArbiterError:
         """Ask the fields of a simulation once more, to see which of them it is."""

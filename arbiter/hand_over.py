@@ -11,18 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from primitives.compiled import Records, compiled
+from primitives.profiles import step
 
 FloatArray = NDArray[np.float64]
-
-
-@compiled
-def step(s: float) -> float:
-    """s - sin(2 pi s) / (2 pi) on [0, 1], 0 before, 1 after (Mataric et al. 1999, eq 5)."""
-    if s <= 0.0:
-        return 0.0
-    if s >= 1.0:
-        return 1.0
-    return float(s - np.sin(2.0 * np.pi * s) / (2.0 * np.pi))
 
 
 @compiled

@@ -137,7 +137,12 @@ def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) ->
         return True
     weight, asked, torque = p.weight[share], p.asked[share], p.torque[i]
     scratch = Scratch(
-        p.knot_weight[share], p.knot_rate[share], p.balls[share], p.wrenches[share], p.placed[share]
+        p.knot_weight[share],
+        p.knot_rate[share],
+        p.angles[share],
+        p.balls[share],
+        p.wrenches[share],
+        p.placed[share],
     )
     weigh_fields(time, p.nodes, p.claims, p.gives_way, slots, live, log, weight)
     ask_fields(
@@ -183,7 +188,7 @@ def _make(code: str) -> Callable[..., int]:
             r.guarded, r.pairs, r.capsules, r.gives_way, r.nodes, r.successors, r.roots,
             r.live, r.slots, r.log, r.memory, r.touches, r.plain, r.plain_error,
             r.contribution, r.torque, r.shares, r.weight, r.asked, r.knot_weight, r.knot_rate,
-            r.balls, r.wrenches, r.placed,
+            r.angles, r.balls, r.wrenches, r.placed,
         )  # fmt: skip
         return control_share(what, share, time, qpos, qvel, xpos, xmat, cdof, cvel, com, parts)
 

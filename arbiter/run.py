@@ -46,8 +46,9 @@ class Parts(NamedTuple):
     shares: Records  # (shares + 1,) where each begins
     weight: Records  # (shares, fields on + 1, nv)
     asked: Records  # (shares, fields on, nv) [N m]
-    knot_weight: Records  # these five: see `make_scratch`
+    knot_weight: Records  # these six: see `make_scratch`
     knot_rate: Records
+    angles: Records
     balls: Records
     wrenches: Records
     placed: Records

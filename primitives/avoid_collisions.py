@@ -13,7 +13,7 @@ import numpy as np
 from primitives.compiled import Records
 from primitives.compiled_field import CompiledField
 from primitives.errors import PrimitiveError
-from primitives.get_posture import NonNegative, Positive
+from primitives.parameters import NonNegative, Positive
 from primitives.primitive import NO_JOINTS, Primitive
 from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR
 from primitives.table import GUARDING, TableBuilder

@@ -1,29 +1,37 @@
 """get-posture: bring joints into a posture and hold them there.
 
 Mataric, Zordan & Williamson (1999) propose it as the generic primitive for sub-tasks that
-are postures ("extend right arm straight out, palm down"). Its controller is the PD servo of
-their section 5, whose set point runs through via postures on a spline.
+are postures ("extend right arm straight out, palm down"). The controller is a choice: the PD
+servo of their section 5, whose set point runs through via postures on a spline, or the torque
+field of section 6. A posture of an arm can also be left to a Cartesian controller, which then
+brings the palm where the posture has it, turned as the posture turns it.
 """
 
 from functools import lru_cache
-from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, model_validator
 from pydantic import Field as Parameter
 
-from primitives.compiled_field import CompiledField
 from primitives.errors import PrimitiveError
+from primitives.parameters import (
+    BACKGROUND_SETTLING,
+    PROFILES,
+    Controller,
+    Direction,
+    NonNegative,
+    Positive,
+    Share,
+    check_own,
+    via_times,
+)
+from primitives.posture_field import PostureField, joint_gains
 from primitives.primitive import FloatArray, IntArray, Primitive
+from primitives.reach_field import HandGoal, ReachField
 from primitives.set_point import MOST_KNOTS, Profile
-from primitives.table import POSTURE, TableBuilder
-from sim import ArmWords, Body, BodyError, pose
+from sim import Arm, ArmWords, Body, BodyError, Spot, pose, unknown
 
-Direction = str | tuple[float, float, float]
-Share = Annotated[float, Parameter(gt=0, lt=1)]
-Positive = Annotated[float, Parameter(gt=0)]
-NonNegative = Annotated[float, Parameter(ge=0)]
 # The name of a posture of the body, or what to do with each part: for an arm `arm` and
 # `palm` take a direction, `elbow` is `straight` or degrees; joints take degrees.
 Posture = str | dict[str, float | Direction]
@@ -36,44 +44,65 @@ class ViaPosture(BaseModel):
 
     posture: Posture
     at: Share | None = None  # when, as a share of the movement; evenly spread by default
+    pulse: Positive = 0.5  # size of its pulse (torque-field): at 0.5 it peaks at a step's weight
 
 
 class GetPosture(Primitive):
     """Bring a limb or joints into a posture and hold them there."""
 
     kind: Literal["get-posture"] = "get-posture"
-    controller: Literal["pd-servo"] = "pd-servo"
+    controller: Controller = "pd-servo"
     limb: str | None = None  # an arm of the body, or
     joints: tuple[str, ...] | None = None  # joints and joint groups; `all` is every joint
     posture: Posture
     via: Annotated[tuple[ViaPosture, ...], Parameter(max_length=MOST_KNOTS - 2)] = ()
-    profile: Profile = "spline"  # of the set point
+    profile: Profile | None = None  # of the set point; default: what suits the controller
     travel: Annotated[float, Parameter(gt=0, le=1)] = 1.0  # share of the time it moves
-    stiffness: Positive | None = None  # k of every joint [N m/rad]; default: the body's
-    damping: NonNegative | None = None  # k_d of every joint [N m s/rad]; default: the body's
+    # Gains; default: the body's. In joints [N m/rad, N m s/rad], of the palm [N/m, N s/m].
+    stiffness: Positive | None = None
+    damping: NonNegative | None = None
+    width: Positive | None = None  # of a torque field's wells [rad]; eq 3: 1 / sqrt(stiffness)
+    coupled: bool = False  # whether the wells of a torque field are coupled
+    # Gains of the Cartesian controllers.
+    turn_stiffness: Positive | None = None  # [N m/rad]
+    turn_damping: NonNegative | None = None  # [N m s/rad]
 
     @model_validator(mode="after")
-    def _one_of(self) -> "GetPosture":
+    def _consistent(self) -> Self:
         if (self.limb is None) == (self.joints is None):
             raise ValueError("give either limb or joints")
+        if self.limb is None and self.controller in ("impedance", "endpoint-force"):
+            raise ValueError(f"the controller {self.controller} moves an arm: give limb")
+        check_own(self.controller, self.model_fields_set)
         return self
 
-    def bind(self, body: Body, duration: float) -> "PostureField":
+    def bind(self, body: Body, duration: float) -> PostureField | ReachField:
         """See `Primitive.bind`."""
         claims = body.arm(self.limb).dofs if self.limb else body.joints(self.joints or ())
-        postures = [
-            self._angles(body, claims, p) for p in (*(v.posture for v in self.via), self.posture)
-        ]
-        stiffness, damping = np.zeros(body.nv), np.zeros(body.nv)
-        for dof in claims:
-            servo = body.servo(int(dof))
-            stiffness[dof] = servo.stiffness if self.stiffness is None else self.stiffness
-            damping[dof] = servo.damping if self.damping is None else self.damping
+        postures = np.array(
+            [self._angles(body, claims, p) for p in (*(v.posture for v in self.via), self.posture)]
+        )
         times = via_times([v.at for v in self.via])
         moving = self.travel * duration if np.isfinite(duration) else BACKGROUND_SETTLING
-        return PostureField(
-            body, claims, np.array(postures), stiffness, damping, self.profile, times, moving
-        )
+        profile = self.profile or PROFILES[self.controller]
+        match self.controller:
+            case "impedance" | "endpoint-force" as controller:
+                arm = body.arm(self.limb or "")
+                gains = {name: getattr(self, name) for name in CARTESIAN_GAINS}
+                goal = _hand_goal(body, arm, postures)
+                return ReachField(
+                    body, arm, goal, times, moving, controller, gains, profile=profile
+                )
+            case controller:
+                gained = joint_gains(
+                    body, claims, stiffness=self.stiffness, damping=self.damping,
+                    width=self.width, coupled=self.coupled,
+                )  # fmt: skip
+                return PostureField(
+                    body, claims, postures, times, moving, controller, gained,
+                    profile=profile,
+                    pulses=tuple(v.pulse for v in self.via),
+                )  # fmt: skip
 
     def _angles(self, body: Body, claims: IntArray, posture: Posture) -> FloatArray:
         """The posture as joint angles (nv,), complete over the claimed joints."""
@@ -91,23 +120,23 @@ class GetPosture(Primitive):
         return angles
 
 
-# Time in which a background posture moves its set point from where the body is [s].
-BACKGROUND_SETTLING = 0.5
+ARM_PARTS = ("arm", "palm", "elbow")  # what can be said of an arm besides its joints
+CARTESIAN_GAINS = ("stiffness", "damping", "turn_stiffness", "turn_damping")
 
 
-def via_times(given: list[float | None]) -> tuple[float, ...]:
-    """Times of start, via points and goal as shares of the movement.
-
-    Raises:
-        PrimitiveError: they do not rise.
-    """
-    count = len(given)
-    times = [(k + 1) / (count + 1) if at is None else float(at) for k, at in enumerate(given)]
-    whole = (0.0, *times, 1.0)
-    if any(b <= a for a, b in pairwise(whole)):
-        shown = ", ".join(f"{t:.2g}" for t in times)
-        raise PrimitiveError(f"the times of via points must rise between 0 and 1, not {shown}")
-    return whole
+def _hand_goal(body: Body, arm: Arm, postures: FloatArray) -> HandGoal:
+    """Where postures (p, nv) put the palm, and how the last of them turns it."""
+    of_arm = np.full(postures.shape, np.nan)
+    of_arm[:, arm.dofs] = postures[:, arm.dofs]
+    held = [body.palm_goal(arm, angles) for angles in of_arm]
+    _, normal, fingers, upper_arm = held[-1]
+    return HandGoal(
+        places=tuple(Spot(arm.root, place, normal) for place, *_ in held),
+        normal=(arm.root, normal),
+        fingers=fingers,
+        upper_arm=upper_arm,
+        by_neutral=True,
+    )
 
 
 @lru_cache(maxsize=4096)
@@ -116,29 +145,49 @@ def _said(
 ) -> FloatArray:
     """Angles (nv,) [rad] of a posture said part by part; NaN where it says nothing."""
     said = dict(words)
-    parts = ("arm", "palm", "elbow")
-    about_arm: dict[str, float | Direction] = {p: said.pop(p) for p in parts if p in said}
-    angles = np.full(body.nv, np.nan)
+    about_arm = {part: said.pop(part) for part in ARM_PARTS if part in said}
+    angles, given = np.full(body.nv, np.nan), dict[int, str]()
     if limb is None and about_arm:
         raise PrimitiveError(f"{', '.join(about_arm)}: only a posture of a limb can say this")
-    if limb is not None:
-        arm = body.arm(limb)
+    arm = None if limb is None else body.arm(limb)
+    if arm is not None and about_arm:
         if about_arm.keys() - {"elbow"}:
             angles = pose(body, arm, _arm_words(body, about_arm))
-        elif "elbow" in about_arm:
-            said[arm.limb.elbow] = _elbow(about_arm["elbow"])
-        said = {_own_joint(arm.limb.joints, arm.limb.side, key): v for key, v in said.items()}
-    for joint, value in said.items():
+        else:
+            angles = body.angles({arm.limb.elbow: _elbow(about_arm["elbow"])})
+        if "elbow" in about_arm:
+            given[int(body.joints(arm.limb.elbow)[0])] = "elbow"
+    for key, value in said.items():
+        joint = key if arm is None else _own_joint(body, arm, key)
         if isinstance(value, str | tuple):
             raise PrimitiveError(f"{joint} takes an angle in degrees, not {value!r}")
-        given = body.angles({joint: value})
-        angles = np.where(np.isnan(given), angles, given)
+        for dof in body.joints(joint).tolist():
+            if dof in given:
+                twice = body.dof_name(dof)
+                raise PrimitiveError(f"{twice} is given twice: by {given[dof]!r} and by {key!r}")
+            given[dof] = key
+        added = body.angles({joint: value})
+        angles = np.where(np.isnan(added), angles, added)
     return angles
 
 
-def _own_joint(joints: tuple[str, ...], side: str, name: str) -> str:
-    """`wrist_z` of the right arm is `right_wrist_z`."""
-    return f"{side}_{name}" if f"{side}_{name}" in joints else name
+def _own_joint(body: Body, arm: Arm, name: str) -> str:
+    """`wrist_z` of the right arm is `right_wrist_z`.
+
+    Raises:
+        PrimitiveError: it is neither a part of the arm nor one of its joints.
+    """
+    side, joints = f"{arm.limb.side}_", arm.limb.joints
+    if side + name in joints:
+        return side + name
+    try:
+        moved = set(body.joints(name).tolist())
+    except BodyError:
+        moved = set()
+    if not moved or not moved <= set(arm.dofs.tolist()):
+        parts = {*ARM_PARTS, *joints, *(joint.removeprefix(side) for joint in joints)}
+        raise PrimitiveError(unknown(f"part of {arm.name}", name, parts))
+    return name
 
 
 def _elbow(value: float | Direction) -> float:
@@ -160,37 +209,3 @@ def _arm_words(body: Body, words: dict[str, float | Direction]) -> ArmWords:
 
     elbow = np.deg2rad(_elbow(words["elbow"])) if "elbow" in words else None
     return ArmWords(direction=direction("arm"), palm=direction("palm"), elbow=elbow)
-
-
-class PostureField(CompiledField):
-    """A servo towards a posture: see `pd_servo`."""
-
-    def __init__(
-        self,
-        body: Body,
-        claims: IntArray,
-        postures: FloatArray,
-        stiffness: FloatArray,
-        damping: FloatArray,
-        profile: Profile,
-        times: tuple[float, ...],
-        duration: float,
-    ) -> None:
-        super().__init__(body, claims, unit="rad")
-        self.goal = postures[-1]  # (nv,) [rad]; only the claimed joints mean anything
-        self._postures, self._gains = postures, (stiffness, damping)
-        self._profile, self._times, self._duration = profile, times, duration
-
-    def add_to(self, table: TableBuilder) -> int:
-        """See `CompiledField.add_to`."""
-        return table.field(
-            POSTURE,
-            table.numbers(*self._gains, self._postures),
-            self.claims,
-            duration=self._duration,
-            curve=table.curve(self._profile, self._times),
-            knots=len(self._times),
-        )
-
-
-__all__ = ["BodyError", "GetPosture", "PostureField", "ViaPosture", "via_times"]

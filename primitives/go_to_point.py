@@ -1,33 +1,36 @@
 """go-to-point: bring the palm of a hand to a place on or near the body.
 
 Mataric, Zordan & Williamson (1999) propose it as the generic primitive for sub-tasks that
-are said in a body-centred Cartesian frame ("touch right hand to the back of your head").
-Its controller is the impedance of their section 7.
+are said in a body-centred Cartesian frame ("touch right hand to the back of your head"). The
+controller is a choice: the impedance of their section 7, or the force on the hand that they
+set aside. A joint-space controller can do it too: inverse kinematics then turns the places
+into postures when the task is bound.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, model_validator
 from pydantic import Field as Parameter
 
-from primitives.compiled import Records
-from primitives.compiled_field import CompiledField
-from primitives.get_posture import (
+from primitives.parameters import (
     BACKGROUND_SETTLING,
+    PROFILES,
+    Controller,
     Direction,
     NonNegative,
+    NonPositive,
     Positive,
     Share,
+    Vector,
+    check_own,
     via_times,
 )
-from primitives.impedance import POINT, REACH
+from primitives.posture_field import PostureField, joint_gains
 from primitives.primitive import FloatArray, Primitive
+from primitives.reach_field import HandGoal, ReachField
 from primitives.set_point import MOST_KNOTS, Profile
-from primitives.table import REACHING, TableBuilder
-from sim import Arm, Body
-
-Vector = tuple[float, float, float]
+from sim import Arm, Body, PalmGoal, Spot, reach
 
 
 class Place(BaseModel):
@@ -51,114 +54,108 @@ class ViaPlace(Place):
     """A place that the hand passes on its way."""
 
     at: Share | None = None  # when, as a share of the movement; evenly spread by default
+    pulse: Positive = 0.5  # size of its pulse (torque-field): at 0.5 it peaks at a step's weight
 
 
 class GoToPoint(Primitive):
     """Bring the palm to a place and hold it there; to a landmark means touching it."""
 
     kind: Literal["go-to-point"] = "go-to-point"
-    controller: Literal["impedance"] = "impedance"
+    controller: Controller = "impedance"
     limb: str
     to: str | Place  # a landmark, which is touched, or a place
     via: Annotated[tuple[ViaPlace, ...], Parameter(max_length=MOST_KNOTS - 2)] = ()
     palm: Direction | None = None  # where it faces; default: onto the landmark
     fingers: Direction | None = None  # where they point; default: free
     upper_arm: Direction | None = None  # where the elbow is, seen from the shoulder
-    profile: Profile = "minimum-jerk"  # of the set point
+    profile: Profile | None = None  # of the set point; default: what suits the controller
     travel: Annotated[float, Parameter(gt=0, le=1)] = 0.85  # share of the time it moves
-    # Gains of the springs; default: the body's.
-    stiffness: Positive | None = None  # [N/m]
-    damping: NonNegative | None = None  # [N s/m]
+    # Gains; default: the body's. Of the palm [N/m, N s/m], in joints [N m/rad, N m s/rad].
+    stiffness: Positive | None = None
+    damping: NonNegative | None = None
+    # Further gains of the impedance.
     turn_stiffness: Positive | None = None  # [N m/rad]
     turn_damping: NonNegative | None = None  # [N m s/rad]
     upper_arm_stiffness: Positive | None = None  # [N m/rad]
     upper_arm_damping: NonNegative | None = None  # [N m s/rad]
     shoulder_damping: NonNegative | None = None  # [N m s/rad]
+    # Of the force on the hand.
+    approach: NonPositive | None = None  # c of eq 10 [N s/m^2]
+    joint_damping: NonNegative | None = None  # [N m s/rad]
+    # Of a torque field.
+    width: Positive | None = None  # of its wells [rad]; eq 3: 1 / sqrt(stiffness)
+    coupled: bool = False  # whether its wells are coupled
 
-    def bind(self, body: Body, duration: float) -> "ReachField":
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        check_own(self.controller, self.model_fields_set)
+        return self
+
+    def bind(self, body: Body, duration: float) -> ReachField | PostureField:
         """See `Primitive.bind`."""
         arm = body.arm(self.limb)
-        goal = Place(near=self.to) if isinstance(self.to, str) else self.to
-        points = np.concatenate([_locate(body, arm, place) for place in (*self.via, goal)])
-        reach = np.zeros(1, dtype=REACH)
-        reach["hand"], reach["upper_arm"], reach["forearm"] = arm.hand, arm.upper_arm, arm.forearm
-        reach["root"], reach["palm"], reach["palm_normal"] = (
-            arm.root,
-            arm.palm.point,
-            arm.palm.normal,
-        )
-        reach["fingers"] = arm.fingers
-        reach["touched"] = body.landmark(self.to).link if isinstance(self.to, str) else -1
-        if self.palm is not None:
-            reach["turns_palm"], reach["normal_link"] = True, arm.root
-            reach["normal_goal"] = body.to_link(arm.root, body.direction(self.palm))
-        elif isinstance(self.to, str):
-            surface = body.landmark(self.to)
-            reach["turns_palm"], reach["normal_link"] = True, surface.link
-            reach["normal_goal"] = -surface.normal
-        for part in ("fingers", "upper_arm"):
-            wanted = getattr(self, part)
-            if wanted is not None:
-                reach[f"turns_{part}"] = True
-                reach[f"{part}_goal"] = body.to_link(arm.root, body.direction(wanted))
-        for gain, default in arm.limb.spring.model_dump().items():
-            given = getattr(self, gain)
-            reach[gain] = default if given is None else given
-        moving = self.travel * duration if np.isfinite(duration) else BACKGROUND_SETTLING
+        goal = self._hand_goal(body, arm)
         times = via_times([v.at for v in self.via])
-        return ReachField(body, arm, reach, points, self.profile, times, moving)
+        moving = self.travel * duration if np.isfinite(duration) else BACKGROUND_SETTLING
+        profile = self.profile or PROFILES[self.controller]
+        match self.controller:
+            case "impedance" | "endpoint-force" as controller:
+                gains = {name: getattr(self, name) for name in type(arm.limb.spring).model_fields}
+                return ReachField(
+                    body, arm, goal, times, moving, controller, gains, profile=profile
+                )
+            case controller:
+                postures, misses = _postures(body, arm, goal)
+                gained = joint_gains(
+                    body, arm.dofs, stiffness=self.stiffness, damping=self.damping,
+                    width=self.width, coupled=self.coupled,
+                )  # fmt: skip
+                return PostureField(
+                    body, arm.dofs, postures, times, moving, controller, gained,
+                    profile=profile,
+                    pulses=tuple(v.pulse for v in self.via),
+                    touch=(arm.hand, goal.touched),
+                    miss=float(misses[-1]),
+                )  # fmt: skip
+
+    def _hand_goal(self, body: Body, arm: Arm) -> HandGoal:
+        to = Place(near=self.to) if isinstance(self.to, str) else self.to
+        normal, touched = None, -1
+        if isinstance(self.to, str):
+            surface = body.landmark(self.to)
+            touched, normal = surface.link, (surface.link, -surface.normal)
+        if self.palm is not None:
+            normal = (arm.root, body.to_link(arm.root, body.direction(self.palm)))
+        fingers, upper_arm = (
+            None if said is None else body.to_link(arm.root, body.direction(said))
+            for said in (self.fingers, self.upper_arm)
+        )
+        places = tuple(_locate(body, arm, place) for place in (*self.via, to))
+        return HandGoal(places, normal, fingers, upper_arm, touched)
 
 
-def _locate(body: Body, arm: Arm, place: Place) -> Records:
-    """A row of POINT."""
-    row = np.zeros(1, dtype=POINT)
+def _locate(body: Body, arm: Arm, place: Place) -> Spot:
+    """A place as a point of a link."""
     if place.near is not None:
         mark = body.landmark(place.near)
-        row["link"] = mark.link
-        point = mark.point + place.away * mark.normal
+        link, point = mark.link, mark.point + place.away * mark.normal
     else:
-        row["link"] = arm.root
-        point = body.to_link(arm.root, np.array(place.point))
-    row["point"] = point + body.to_link(int(row["link"][0]), np.array(place.offset))
-    return row
+        link, point = arm.root, body.to_link(arm.root, np.array(place.point))
+    return Spot(link, point + body.to_link(link, np.array(place.offset)), np.zeros(3))
 
 
-class ReachField(CompiledField):
-    """Springs on a hand and an upper arm: see `impedance`."""
+def _postures(body: Body, arm: Arm, goal: HandGoal) -> tuple[FloatArray, FloatArray]:
+    """Postures (places, nv) for the places of a goal, and by how much each misses [m]."""
 
-    def __init__(
-        self,
-        body: Body,
-        arm: Arm,
-        reach: Records,
-        points: Records,
-        profile: Profile,
-        times: tuple[float, ...],
-        duration: float,
-    ) -> None:
-        super().__init__(body, arm.dofs, unit="m")
-        self._arm, self._reach, self._points = arm, reach, points
-        self._profile, self._times, self._duration = profile, times, duration
+    def in_body(part: tuple[int, FloatArray] | None) -> FloatArray | None:
+        return None if part is None else body.from_link(*part)
 
-    def too_far(self) -> float:
-        """By how much the goal is out of reach in the home posture [m]; 0 if it is not."""
-        goal = self._points[-1]
-        place = self._body.at_home(int(goal["link"]), goal["point"])
-        shoulder = self._body.at_home(self._arm.upper_arm, np.zeros(3))
-        return max(0.0, float(np.linalg.norm(place - shoulder)) - self._body.reach(self._arm))
-
-    def add_to(self, table: TableBuilder) -> int:
-        """See `CompiledField.add_to`."""
-        reach = self._reach.copy()
-        reach["points"] = table.records(self._points)
-        return table.field(
-            REACHING,
-            table.records(reach),
-            self.claims,
-            duration=self._duration,
-            curve=table.curve(self._profile, self._times),
-            knots=len(self._times),
-        )
-
-
-__all__ = ["FloatArray", "GoToPoint", "Place", "ReachField", "ViaPlace"]
+    on_the_way = [PalmGoal(place, touched=goal.touched) for place in goal.places[:-1]]
+    last = PalmGoal(
+        goal.places[-1],
+        normal=in_body(goal.normal),
+        fingers=in_body(None if goal.fingers is None else (arm.root, goal.fingers)),
+        upper_arm=in_body(None if goal.upper_arm is None else (arm.root, goal.upper_arm)),
+        touched=goal.touched,
+    )
+    return reach(body, arm, [*on_the_way, last])

@@ -29,12 +29,13 @@ from primitives.mechanics import (
     to_world,
     tree_centre,
     turn_between,
+    turn_by_way_of,
     turn_error,
     unit,
     unrotate,
     vector,
 )
-from primitives.set_point import minimum_jerk
+from primitives.profiles import minimum_jerk
 
 FloatArray = NDArray[np.float64]
 
@@ -48,13 +49,14 @@ REACH = np.dtype(
         ("root", np.int32),
         ("palm", *_VECTOR),
         ("palm_normal", *_VECTOR),
+        ("palm_neutral", *_VECTOR),  # its normal at home, in the frame of the forearm
         ("fingers", *_VECTOR),
         # The goal: via points and goal are rows of POINT; directions are unit vectors.
         ("points", np.int32),  # first row
-        ("touched", np.int32),  # link that the palm is to touch, -1 for none
         ("turns_palm", np.bool_),
         ("turns_fingers", np.bool_),
         ("turns_upper_arm", np.bool_),
+        ("by_neutral", np.bool_),  # half a turn of the palm goes as the forearm can turn
         ("normal_link", np.int32),
         ("normal_goal", *_VECTOR),  # of the palm, in the frame of normal_link
         ("fingers_goal", *_VECTOR),  # in the frame of the root
@@ -67,13 +69,19 @@ REACH = np.dtype(
         ("upper_arm_stiffness", np.float64),
         ("upper_arm_damping", np.float64),
         ("shoulder_damping", np.float64),
+        # Of the controller endpoint-force alone.
+        ("approach", np.float64),  # c [N s/m^2]
+        ("joint_damping", np.float64),  # b [N m s/rad]
     ],
     align=True,
 )
 POINT = np.dtype([("link", np.int32), ("point", *_VECTOR)], align=True)
 PALM_WAITS = 0.3  # share of the movement for which the palm keeps its place on the forearm
 LOOSELY = 0.2  # how firmly, in the end, fingers that are free keep in line with the forearm
-REMEMBERED = 12  # start of the palm, and of its normal, fingers and upper arm, in the root's frame
+NEARLY_OPPOSITE = -0.7  # cosine of an angle of 134 degrees
+# Start of the palm and of the upper arm in the root's frame, of the palm's normal and of the
+# fingers in the forearm's, and whether the palm turns by way of its neutral direction.
+REMEMBERED = 13
 
 
 @compiled
@@ -96,6 +104,52 @@ def begin_reach(x: Row, r: Record, memory: FloatArray) -> None:
     store(memory, 3, unrotate(x, r.forearm, normal))
     store(memory, 6, unrotate(x, r.forearm, fingers))
     store(memory, 9, unrotate(x, r.root, upper_arm_direction(x, r)))
+    goal = rotate(x, r.normal_link, vector(r.normal_goal))
+    opposite = r.by_neutral and dot(normal, goal) < NEARLY_OPPOSITE
+    memory[12] = 1.0 if opposite else 0.0
+
+
+@compiled
+def palm_force(
+    x: Row,
+    r: Record,
+    points: Records,
+    memory: FloatArray,
+    weight: FloatArray,
+    rate: FloatArray,
+) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Force that pulls the palm to its set point (eq 7) [N], and the set point's speed [m/s]."""
+    start = to_world(x, r.root, (memory[0], memory[1], memory[2]))
+    wanted, speed = scale(weight[0], start), scale(rate[0], start)
+    for k in range(1, weight.shape[0]):
+        p = points[r.points + k - 1]
+        place = to_world(x, p.link, vector(p.point))
+        wanted = add(wanted, scale(weight[k], place))
+        speed = add(speed, scale(rate[k], place))
+    palm = palm_position(x, r)
+    force = add(
+        scale(r.stiffness, subtract(wanted, palm)),
+        scale(r.damping, subtract(speed, point_velocity(x, r.hand, palm))),
+    )
+    return force, speed
+
+
+@compiled
+def push_palm(
+    x: Row,
+    r: Record,
+    moment: tuple[float, float, float],
+    force: tuple[float, float, float],
+    out: FloatArray,
+) -> None:
+    """out += J_h^T F_h over the joints of the arm (eq 8); the force acts at the palm."""
+    arm = subtract(palm_position(x, r), tree_centre(x, r.hand))
+    moment = add(moment, cross(arm, force))
+    base = x.links[r.root].last_dof
+    j = x.links[r.hand].last_dof
+    while j != base:
+        out[j] += joint_torque(x, j, moment, force)
+        j = x.dofs[j].parent
 
 
 @compiled
@@ -122,21 +176,7 @@ def impedance(
         rate: derivative of the weights [1/s].
         out: (nv,) [N m]
     """
-    c = tree_centre(x, r.hand)
-
-    # The set point of the palm, and the force that pulls it there (eq 7).
-    start = to_world(x, r.root, (memory[0], memory[1], memory[2]))
-    wanted, speed = scale(weight[0], start), scale(rate[0], start)
-    for k in range(1, weight.shape[0]):
-        p = points[r.points + k - 1]
-        place = to_world(x, p.link, vector(p.point))
-        wanted = add(wanted, scale(weight[k], place))
-        speed = add(speed, scale(rate[k], place))
-    palm = palm_position(x, r)
-    force = add(
-        scale(r.stiffness, subtract(wanted, palm)),
-        scale(r.damping, subtract(speed, point_velocity(x, r.hand, palm))),
-    )
+    force, _ = palm_force(x, r, points, memory, weight, rate)
 
     # The moment that turns the palm: at first as it was on the forearm, in the end as the
     # goal has it. The fingers stay in line with the forearm unless the goal says otherwise.
@@ -144,7 +184,11 @@ def impedance(
     normal = rotate(x, r.forearm, (memory[3], memory[4], memory[5]))
     if r.turns_palm:
         goal = rotate(x, r.normal_link, vector(r.normal_goal))
-        normal = turn_between(normal, goal, late)
+        if memory[12] != 0.0:
+            neutral = rotate(x, r.forearm, vector(r.palm_neutral))
+            normal = turn_by_way_of(normal, neutral, goal, late)
+        else:
+            normal = turn_between(normal, goal, late)
     if r.turns_fingers:
         goal = rotate(x, r.root, vector(r.fingers_goal))
     else:
@@ -159,13 +203,7 @@ def impedance(
     )
     moment = subtract(scale(r.turn_stiffness, moment), scale(r.turn_damping, spin(x, r.hand)))
 
-    # J_h^T F_h over the joints of the arm (eq 8).
-    moment = add(moment, cross(subtract(palm, c), force))
-    base = x.links[r.root].last_dof
-    j = x.links[r.hand].last_dof
-    while j != base:
-        out[j] += joint_torque(x, j, moment, force)
-        j = x.dofs[j].parent
+    push_palm(x, r, moment, force, out)
 
     # J_e^T F_e and b_shoulder over the joints of the shoulder (eq 9).
     moment = (0.0, 0.0, 0.0)
@@ -180,6 +218,7 @@ def impedance(
             scale(r.upper_arm_stiffness, turn_error(along, wanted)),
             scale(r.upper_arm_damping, swing),
         )
+    base = x.links[r.root].last_dof
     j = x.links[r.upper_arm].last_dof
     while j != base:
         out[j] += joint_torque(x, j, moment, (0.0, 0.0, 0.0))

@@ -214,6 +214,21 @@ def turn_between(start: Vector, goal: Vector, share: float) -> Vector:
 
 
 @compiled
+def turn_by_way_of(start: Vector, way: Vector, goal: Vector, share: float) -> Vector:
+    """Like `turn_between`, but by way of a third unit vector, a quarter of a turn from `start`."""
+    aside = subtract(way, scale(dot(way, start), start))
+    length = np.sqrt(dot(aside, aside))
+    if length < 0.1:
+        return turn_between(start, goal, share)
+    middle = scale(1.0 / length, aside)
+    quarter, rest = 0.5 * np.pi, np.arccos(min(max(dot(middle, goal), -1.0), 1.0))
+    done = share * (quarter + rest)
+    if done < quarter:
+        return turn_between(start, middle, done / quarter)
+    return turn_between(middle, goal, min((done - quarter) / max(rest, 1e-6), 1.0))
+
+
+@compiled
 def turn_error(current: Vector, wanted: Vector) -> Vector:
     """Rotation vector that takes one unit vector to another, its length held to at most 1."""
     axis = cross(current, wanted)

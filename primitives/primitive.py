@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
+from primitives.errors import PrimitiveError
 from sim import Body, State
 
 FloatArray = NDArray[np.float64]
@@ -66,13 +67,18 @@ class Primitive(BaseModel):
 
         Raises:
             BodyError: a name that the body lacks.
-            PrimitiveError: parameters that mean nothing on this body.
+            PrimitiveError: parameters that mean nothing on this body, or no torque.
         """
+        if type(self).torque is Primitive.torque:
+            raise PrimitiveError(
+                f"{type(self).__name__} makes no torque: it needs a method torque(self, state, t),"
+                " or a bind of its own"
+            )
         return PlainField(self)
 
     def torque(self, state: State, t: FloatArray) -> FloatArray:
         """Torques (n, nv) [N m]; t (n,) is the time since the primitive was switched on [s]."""
-        raise TypeError(f"{type(self).__name__} needs a torque method, or a bind of its own")
+        raise NotImplementedError(f"the torque of {type(self).__name__} is that of its field")
 
 
 class PlainField:

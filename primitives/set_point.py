@@ -107,8 +107,11 @@ def weigh_knots(
         rate[k] = dx
 
 
-@compiled
-def minimum_jerk(s: float) -> float:
-    """10 s^3 - 15 s^4 + 6 s^5 on [0, 1] (Flash & Hogan 1985)."""
-    s = min(max(s, 0.0), 1.0)
-    return s * s * s * (10.0 + s * (6.0 * s - 15.0))
+def weights_at(profile: Profile, times: tuple[float, ...], shares: FloatArray) -> FloatArray:
+    """Weights (k, knots) of a curve at shares (k,) of its duration: for looking at, not control."""
+    coefficients = knot_weights(profile, times)
+    s = np.clip(shares, 0.0, 1.0)
+    segment = np.clip(np.searchsorted(times, s, side="right") - 1, 0, len(times) - 2)
+    powers = (s - np.array(times)[segment])[:, None] ** np.arange(POWERS)
+    weights: FloatArray = np.einsum("sp,spk->sk", powers, coefficients[segment])
+    return weights

@@ -11,30 +11,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from primitives.compiled import Record, Records, compiled
+from primitives.endpoint_force import endpoint_force
 from primitives.gravity import carry_weight
 from primitives.impedance import POINT, REACH, REMEMBERED, begin_reach, impedance, palm_position
 from primitives.mechanics import Row, dot, subtract, to_world, vector
 from primitives.pd_servo import pd_servo
+from primitives.profiles import minimum_jerk
 from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR, TOUCH, repel
 from primitives.set_point import (
     MOST_KNOTS,
     POWERS,
     Profile,
     knot_weights,
-    minimum_jerk,
     weigh_knots,
 )
+from primitives.torque_field import torque_field, weigh_wells
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
-PLAIN, POSTURE, REACHING, GUARDING, WEIGHT = range(5)
+PLAIN, PD_SERVO, TORQUE_FIELD, IMPEDANCE, ENDPOINT_FORCE, GUARDING, WEIGHT = range(7)
 
-# `row` is where the field's own numbers begin: in `numbers` (POSTURE, WEIGHT), `reaches`
-# (REACHING), `guards` (GUARDING), or its place among the plain fields (PLAIN).
+# `row` is where the field's own numbers begin: in `numbers` (PD_SERVO, TORQUE_FIELD, WEIGHT),
+# `reaches` (IMPEDANCE, ENDPOINT_FORCE), `guards` (GUARDING), or its place among the plain
+# fields (PLAIN).
 FIELD = np.dtype(
     [
         *(("kind", np.int32), ("row", np.int32), ("curve", np.int32), ("knots", np.int32)),
+        *(("hand", np.int32), ("touched", np.int32)),  # links that it brings together, or -1
         ("duration", np.float64),
     ],
     align=True,
@@ -60,6 +64,7 @@ class Scratch(NamedTuple):
 
     weight: FloatArray  # (MOST_KNOTS,)
     rate: FloatArray  # (MOST_KNOTS,)
+    angles: FloatArray  # (nv,)
     balls: FloatArray  # (guarded, 3)
     wrenches: FloatArray  # (guarded, 6)
     placed: FloatArray  # (capsules, 7)
@@ -68,7 +73,8 @@ class Scratch(NamedTuple):
 def make_scratch(table: FieldTable, threads: int) -> tuple[FloatArray, ...]:
     """Room for each thread, in the order of `Scratch` with the threads in front."""
     guarded, capsules = len(table.guarded), len(table.capsules)
-    sizes = ((MOST_KNOTS,), (MOST_KNOTS,), (guarded, 3), (guarded, 6), (capsules, 7))
+    nv = table.claims.shape[1]
+    sizes = ((MOST_KNOTS,), (MOST_KNOTS,), (nv,), (guarded, 3), (guarded, 6), (capsules, 7))
     return tuple(np.zeros((threads, *size)) for size in sizes)
 
 
@@ -77,7 +83,7 @@ class TableBuilder:
 
     def __init__(self, nv: int) -> None:
         self.nv = nv
-        self._fields: list[tuple[int, int, int, int, float]] = []
+        self._fields: list[tuple[int, int, int, int, int, int, float]] = []
         self._claims: list[NDArray[np.bool_]] = []
         self._numbers: list[FloatArray] = []
         self._used = 0
@@ -96,12 +102,13 @@ class TableBuilder:
         duration: float = 0.0,
         curve: int = 0,
         knots: int = 0,
+        touch: tuple[int, int] = (-1, -1),
     ) -> int:
         """Add a field; returns its number."""
         mask = np.zeros(self.nv, dtype=np.bool_)
         mask[claims] = True
         self._claims.append(mask)
-        self._fields.append((kind, row, curve, knots, duration))
+        self._fields.append((kind, row, curve, knots, *touch, duration))
         return len(self._fields) - 1
 
     def numbers(self, *arrays: FloatArray) -> int:
@@ -158,11 +165,11 @@ def memory_size(nv: int) -> int:
 def begin_field(table: FieldTable, f: int, x: Row, memory: FloatArray) -> None:
     """Let field f remember what it needs of the moment in which it is switched on."""
     field = table.fields[f]
-    if field.kind == POSTURE:
+    if field.kind in (PD_SERVO, TORQUE_FIELD):
         for j in range(x.qvel.shape[0]):
             at = x.dofs[j].qpos
             memory[j] = x.qpos[at] if at >= 0 else 0.0
-    elif field.kind == REACHING:
+    elif field.kind in (IMPEDANCE, ENDPOINT_FORCE):
         begin_reach(x, table.reaches[field.row], memory)
 
 
@@ -198,15 +205,27 @@ def add_torque(
         coefficients = table.numbers[at : at + (knots - 1) * POWERS * knots]
         weight, rate = scratch.weight[:knots], scratch.rate[:knots]
         share = t / field.duration
+        if field.kind == TORQUE_FIELD:
+            own = table.numbers[field.row : field.row + nv * (knots + 2) + knots - 1]
+            goal, rest = nv * (knots + 1), nv * (knots + 2)
+            weigh_wells(share, times, own[rest + 1 :], weight)
+            torque_field(
+                x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv : goal], own[goal:rest],
+                own[rest] != 0.0, weight, scratch.angles, out,
+            )  # fmt: skip
+            return
         weigh_knots(share, times, coefficients, weight, rate)
         for k in range(knots):
             rate[k] /= field.duration
-        if field.kind == POSTURE:
+        if field.kind == PD_SERVO:
             own = table.numbers[field.row : field.row + nv * (knots + 1)]
             pd_servo(x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv :], weight, rate, out)
-        else:
+        elif field.kind == IMPEDANCE:
             reach = table.reaches[field.row]
             impedance(x, reach, table.points, memory, share, weight, rate, out)
+        else:
+            reach = table.reaches[field.row]
+            endpoint_force(x, reach, table.points, memory, weight, rate, out)
     elif field.kind == GUARDING:
         guard = table.guards[field.row]
         repel(
@@ -222,14 +241,14 @@ def field_error(table: FieldTable, f: int, x: Row) -> float:
     """Distance of field f from its goal: largest joint error [rad], palm to goal [m], else 0."""
     field = table.fields[f]
     nv = x.qvel.shape[0]
-    if field.kind == POSTURE:
+    if field.kind in (PD_SERVO, TORQUE_FIELD):
         goal = table.numbers[field.row + nv * field.knots : field.row + nv * (field.knots + 1)]
         worst = 0.0
         for j in range(nv):
             if table.claims[f, j]:
                 worst = max(worst, abs(x.qpos[x.dofs[j].qpos] - goal[j]))
         return worst
-    if field.kind == REACHING:
+    if field.kind in (IMPEDANCE, ENDPOINT_FORCE):
         reach = table.reaches[field.row]
         p = table.points[reach.points + field.knots - 2]
         gap = subtract(to_world(x, p.link, vector(p.point)), palm_position(x, reach))
@@ -241,10 +260,9 @@ def field_error(table: FieldTable, f: int, x: Row) -> float:
 def touch_of(table: FieldTable, f: int, t: float, touch: Record) -> bool:
     """Fill in `touch` if field f brings a hand to a link; its share grows with the set point."""
     field = table.fields[f]
-    if field.kind != REACHING or table.reaches[field.row].touched < 0:
+    if field.touched < 0:
         return False
-    touch.hand = table.reaches[field.row].hand
-    touch.link = table.reaches[field.row].touched
+    touch.hand, touch.link = field.hand, field.touched
     touch.share = minimum_jerk(t / field.duration)
     return True
 

@@ -5,6 +5,7 @@ from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Limb, Servo, Spring
 from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
 from sim.posing import ArmWords, pose
+from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
@@ -27,6 +28,7 @@ __all__ = [
     "Frame",
     "Limb",
     "NoDisplay",
+    "PalmGoal",
     "Poses",
     "Push",
     "Recorder",
@@ -43,6 +45,7 @@ __all__ = [
     "adonis",
     "load_body",
     "pose",
+    "reach",
     "render_filmstrip",
     "render_video",
     "unknown",

@@ -252,11 +252,68 @@ class Body:
         axes: FloatArray = self._at_home.xmat[link].reshape(3, 3)
         return axes.T @ vector
 
+    def from_link(self, link: int, vector: FloatArray) -> FloatArray:
+        """A vector (3,) of a link's frame in the body's frame, the link being at home."""
+        axes: FloatArray = self._at_home.xmat[link].reshape(3, 3)
+        return axes @ vector
+
     def at_home(self, link: int, point: FloatArray) -> FloatArray:
         """Where a point (3,) of a link is in the home posture, in the world [m]."""
         axes: FloatArray = self._at_home.xmat[link].reshape(3, 3)
         where: FloatArray = self._at_home.xpos[link] + axes @ point
         return where
+
+    def upper_arm_at_home(self, arm: Arm) -> FloatArray:
+        """Unit vector (3,) from shoulder to elbow in the home posture."""
+        along = self._at_home.xpos[arm.forearm] - self._at_home.xpos[arm.upper_arm]
+        unit: FloatArray = along / np.linalg.norm(along)
+        return unit
+
+    def palm_at_home(self, arm: Arm) -> FloatArray:
+        """Normal of the palm (3,) in the home posture, in the frame of the forearm."""
+        forearm, hand = (self._at_home.xmat[k].reshape(3, 3) for k in (arm.forearm, arm.hand))
+        normal: FloatArray = forearm.T @ hand @ arm.palm.normal
+        return normal
+
+    def palm_goal(self, arm: Arm, angles: FloatArray) -> tuple[FloatArray, ...]:
+        """How joint angles (nv,) [rad], NaN for home, hold an arm.
+
+        Returns:
+            (3,) each, in the frame of the link that carries the arm: the palm's place [m], and
+            the directions of its normal, of the fingers and of the upper arm.
+        """
+        data, given = mujoco.MjData(self.model), ~np.isnan(angles)
+        data.qpos[:] = self.home
+        data.qpos[self.qpos_of_dof[given]] = angles[given]
+        mujoco.mj_kinematics(self.model, data)
+        root, hand = (data.xmat[link].reshape(3, 3) for link in (arm.root, arm.hand))
+        palm = data.xpos[arm.hand] + hand @ arm.palm.point
+        along = data.xpos[arm.forearm] - data.xpos[arm.upper_arm]
+        turned = (hand @ arm.palm.normal, hand @ arm.fingers, along / np.linalg.norm(along))
+        return root.T @ (palm - data.xpos[arm.root]), *(root.T @ v for v in turned)
+
+    def geoms_to_keep_apart(self, arm: Arm, touched: int = -1) -> list[tuple[list[int], list[int]]]:
+        """Pairs of groups of geoms: the arm's links and those that they must not touch.
+
+        Args:
+            arm: the arm; pairs with other limbs are left out.
+            touched: a link that the hand may touch.
+        """
+        own = {self.link(n) for n in (arm.limb.upper_arm, arm.limb.forearm, arm.limb.hand)}
+        limbs = {
+            self.link(n)
+            for limb in self.map.limbs.values()
+            for n in (limb.upper_arm, limb.forearm, limb.hand)
+        }
+        found = []
+        for names in self.map.keep_apart:
+            one, other = sorted((self.link(n) for n in names), key=lambda b: b not in own)
+            if one not in own or other in limbs or (one == arm.hand and other == touched):
+                continue
+            mine, theirs = (self._colliding(link) for link in (one, other))
+            if mine and theirs:
+                found.append((mine, theirs))
+        return found
 
     def reach(self, arm: Arm) -> float:
         """Distance from the shoulder to the palm of the arm held straight [m]."""
@@ -280,9 +337,7 @@ class Body:
         model = self.model
         wanted = sorted({self.link(name) for name in links})
         ids, start, end = [], [], []
-        for g in (g for link in wanted for g in np.flatnonzero(model.geom_bodyid == link)):
-            if not model.geom_contype[g]:
-                continue
+        for g in (g for link in wanted for g in self._colliding(link)):
             kind = model.geom_type[g]
             if kind == mujoco.mjtGeom.mjGEOM_CAPSULE.value:
                 half = _matrix(model.geom_quat[g])[:, 2] * model.geom_size[g, 1]
@@ -313,6 +368,11 @@ class Body:
         mujoco.mj_kinematics(self.model, data)
         mujoco.mj_collision(self.model, data)
         return bool(data.ncon == 0)
+
+    def _colliding(self, link: int) -> list[int]:
+        """The geoms of a link that can collide."""
+        of_link = np.flatnonzero(self.model.geom_bodyid == link)
+        return [int(g) for g in of_link if self.model.geom_contype[g]]
 
     # --- inside --------------------------------------------------------------------------
 

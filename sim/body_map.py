@@ -19,10 +19,11 @@ class _Frozen(BaseModel):
 
 
 class Servo(_Frozen):
-    """Gains with which a joint is servoed when a task does not say otherwise (eq 1)."""
+    """Gains with which a joint is moved when a task does not say otherwise (eq 1 and 3)."""
 
-    stiffness: Positive  # k [N m/rad]
+    stiffness: Positive  # k of a servo, A of a torque field [N m/rad]
     damping: NonNegative  # k_d [N m s/rad]
+    width: Positive = 1.0  # s of a torque field [rad]
 
 
 class Spring(_Frozen):
@@ -35,6 +36,8 @@ class Spring(_Frozen):
     upper_arm_stiffness: Positive  # rotation of the upper arm [N m/rad]
     upper_arm_damping: NonNegative  # [N m s/rad]
     shoulder_damping: NonNegative  # b_shoulder [N m s/rad]
+    approach: Annotated[float, Field(le=0, allow_inf_nan=False)] = -100.0  # c of eq 10 [N s/m^2]
+    joint_damping: NonNegative = 4.0  # of all joints, where a force holds only the hand [N m s/rad]
 
 
 class Limb(_Frozen):

@@ -33,6 +33,7 @@ class Frame:
     time: float  # [s]
     caption: str
     trail: float = 0.0  # the way of the palms over so many seconds before is drawn
+    ghosts: int = 0  # so many moments of that time are shown faintly: a time-lapse
 
 
 def render_filmstrip(
@@ -61,7 +62,7 @@ def render_filmstrip(
     """
     job = {
         "what": "filmstrip",
-        "frames": [(f.time, f.caption, f.trail) for f in frames],
+        "frames": [(f.time, f.caption, f.trail, f.ghosts) for f in frames],
         "palms": list(palms),
         "columns": columns,
         "view": VIEWS[view],

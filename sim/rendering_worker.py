@@ -18,6 +18,7 @@ from sim.recording import Recording
 Picture = NDArray[np.uint8]
 TRAIL_COLORS = ((0.86, 0.33, 0.16, 0.9), (0.10, 0.55, 0.42, 0.9))
 CAPTION = 44  # height [pixels]
+DIFFERENT = 12.0  # of 255: pixels that differ by more show something that moved
 
 
 class Camera:
@@ -41,6 +42,19 @@ class Camera:
         for palm, color in zip(palms or (), TRAIL_COLORS * 4, strict=False):
             self._draw_trail(palm, since, row, color)
         return np.array(self._renderer.render())
+
+    def lapse(self, row: int, palms: list[str], since: int, ghosts: int) -> Picture:
+        """The picture of a row over fainter ones of moments before it."""
+        rows = np.linspace(since, row, ghosts + 1).astype(int)
+        shots = np.array([self.shoot(int(k)) for k in rows], dtype=np.float32)
+        still = np.median(shots, axis=0)  # what does not move
+        whole = still
+        for strength, shot in zip(np.linspace(0.3, 1.0, len(shots)), shots, strict=True):
+            moved = np.abs(shot - still).max(axis=2, keepdims=True) > DIFFERENT
+            whole = np.where(moved, (1.0 - strength) * whole + strength * shot, whole)
+        way = self.shoot(row, palms, since).astype(np.float32)
+        drawn = np.abs(way - shots[-1]).max(axis=2, keepdims=True) > DIFFERENT
+        return np.where(drawn, way, whole).astype(np.uint8)
 
     def _set(self, row: int) -> None:
         self._data.qpos[:] = self.recording.qpos[row]
@@ -75,9 +89,13 @@ def filmstrip(recording: Recording, job: dict[str, Any]) -> None:
     rows = -(-len(job["frames"]) // columns)
     strip = Image.new("RGB", (columns * width, rows * (height + CAPTION)), "white")
     pen, font = ImageDraw.Draw(strip), ImageFont.load_default(size=14)
-    for index, (time, caption, trail) in enumerate(job["frames"]):
+    for index, (time, caption, trail, ghosts) in enumerate(job["frames"]):
         row = recording.row(time)
-        picture = camera.shoot(row, job["palms"], recording.row(max(time - trail, 0.0)))
+        since = recording.row(max(time - trail, 0.0))
+        if ghosts:
+            picture = camera.lapse(row, job["palms"], since, ghosts)
+        else:
+            picture = camera.shoot(row, job["palms"], since)
         x, y = index % columns * width, index // columns * (height + CAPTION)
         strip.paste(Image.fromarray(picture), (x, y))
         lines = textwrap.wrap(caption, width=max(12, width // 8))[:2]

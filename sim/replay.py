@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.body import Spot
 from sim.errors import unknown
 from sim.recording import Recording
 
@@ -63,6 +64,32 @@ class Replay:
         """Poses of a link."""
         index = self._id(mujoco.mjtObj.mjOBJ_BODY, "link", name)
         return Poses(self._link[0][:, index], self._link[1][:, index].reshape(-1, 3, 3))
+
+    def point(self, spot: Spot) -> FloatArray:
+        """Where a point that is fixed to a link was (T, 3) [m]."""
+        place, axes = self._link[0][:, spot.link], self._link[1][:, spot.link].reshape(-1, 3, 3)
+        where: FloatArray = place + axes @ spot.point
+        return where
+
+    def hand_force(self, site: str, rows: slice) -> FloatArray:
+        """The force at a site that the recorded torques amount to, gravity apart (k, 3) [N].
+
+        F = (J M^-1 J^T)^-1 J M^-1 (tau - g), the dynamically consistent one (Khatib 1987).
+        """
+        index = self._id(mujoco.mjtObj.mjOBJ_SITE, "site", site)
+        model, data = self.model, self._data
+        jacobian, mass = np.zeros((3, model.nv)), np.zeros((model.nv, model.nv))
+        forces = np.zeros((len(range(*rows.indices(len(self.recording.time)))), 3))
+        for k, row in enumerate(range(*rows.indices(len(self.recording.time)))):
+            data.qpos[:], data.qvel[:] = self.recording.qpos[row], 0.0
+            mujoco.mj_fwdPosition(model, data)
+            mujoco.mj_fwdVelocity(model, data)  # at rest the bias is gravity alone
+            mujoco.mj_jacSite(model, data, jacobian, None, index)
+            mujoco.mj_fullM(model, data, mass)
+            driven = self.recording.torque[row] - data.qfrc_bias
+            solved = np.linalg.solve(mass, np.column_stack([jacobian.T, driven]))
+            forces[k] = np.linalg.solve(jacobian @ solved[:, :3], jacobian @ solved[:, 3])
+        return forces
 
     def angle(self, joint: str) -> FloatArray:
         """Angle of a hinge (T,) [rad]."""

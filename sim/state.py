@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 class State:
     """The state of n simulations of one body.
 
-    The arrays are views: they show the present whenever they are read, and are not to be
+    The arrays are views: they show the present whenever they are read, and cannot be
     written. Positions are in world coordinates [m], angles in [rad].
     """
 
@@ -47,13 +47,23 @@ class State:
         `mj_step2`.
         """
         return cls(
-            time=np.array([data.time]),
-            qpos=data.qpos[None],
-            qvel=data.qvel[None],
-            xpos=data.xpos[None],
-            xmat=data.xmat[None],
-            cdof=data.cdof[None],
-            cvel=data.cvel[None],
-            subtree_com=data.subtree_com[None],
-            qfrc_bias=data.qfrc_bias[None],
+            time=read_only(np.array([data.time])),
+            qpos=read_only(data.qpos[None]),
+            qvel=read_only(data.qvel[None]),
+            xpos=read_only(data.xpos[None]),
+            xmat=read_only(data.xmat[None]),
+            cdof=read_only(data.cdof[None]),
+            cvel=read_only(data.cvel[None]),
+            subtree_com=read_only(data.subtree_com[None]),
+            qfrc_bias=read_only(data.qfrc_bias[None]),
         )
+
+
+def read_only(view: FloatArray) -> FloatArray:
+    """Forbid writing through a view; whoever made it keeps the array itself.
+
+    Every `State` is made of such views, since arrays that can be written are of another type
+    to compiled code, which would be compiled anew for them.
+    """
+    view.setflags(write=False)
+    return view

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sim.body import Body
 from sim.errors import BodyError, Diverged
-from sim.state import State
+from sim.state import State, read_only
 
 FloatArray = NDArray[np.float64]
 _KINEMATICS = mujoco.mjtStage.mjSTAGE_VEL.value
@@ -74,23 +74,30 @@ class World:
         self._direct = np.array_equal(self._motors, np.arange(body.nv))
         self._pushes = [(p, body.link(p.link)) for p in pushes]
         self._force = batch.bind("xfrc_applied") if pushes else None
+        self._qpos, self._qvel = batch.bind("qpos"), batch.bind("qvel")
         self.state = State(
-            time=batch.bind("time"),
-            qpos=batch.bind("qpos"),
-            qvel=batch.bind("qvel"),
-            xpos=batch.bind("xpos"),
-            xmat=batch.bind("xmat"),
-            cdof=batch.bind("cdof"),
-            cvel=batch.bind("cvel"),
-            subtree_com=batch.bind("subtree_com"),
-            qfrc_bias=batch.bind("qfrc_bias"),
+            time=read_only(batch.bind("time").view()),
+            qpos=read_only(self._qpos.view()),
+            qvel=read_only(self._qvel.view()),
+            xpos=read_only(batch.bind("xpos").view()),
+            xmat=read_only(batch.bind("xmat").view()),
+            cdof=read_only(batch.bind("cdof").view()),
+            cvel=read_only(batch.bind("cvel").view()),
+            subtree_com=read_only(batch.bind("subtree_com").view()),
+            qfrc_bias=read_only(batch.bind("qfrc_bias").view()),
         )
         self.reset()
 
-    def reset(self, qpos: FloatArray | None = None) -> None:
-        """Put every simulation at rest at time 0 in the posture (nq,) or (n, nq); default home."""
+    def reset(self, qpos: FloatArray | None = None, qvel: FloatArray | None = None) -> None:
+        """Begin anew at time 0, in all simulations.
+
+        Args:
+            qpos: posture (nq,) or (n, nq); default: home.
+            qvel: velocities (nv,) or (n, nv); default: at rest.
+        """
         self._batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-        self.state.qpos[:] = self.body.home if qpos is None else qpos
+        self._qpos[:] = self.body.home if qpos is None else qpos
+        self._qvel[:] = 0.0 if qvel is None else qvel
         self._batch.forward(stage=_KINEMATICS)
 
     def step(self, torque: FloatArray) -> None:

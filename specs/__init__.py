@@ -1,7 +1,9 @@
 """Floor 3: the task language, from YAML to a bound task graph."""
 
 from specs.available import available_primitives, primitives_in
-from specs.binding import BoundTask, bind_task, doubts
+from specs.binding import BoundTask, bind_task
+from specs.controllers import load_variant, with_controller, with_parameter
+from specs.doubting import doubts
 from specs.errors import Position, SpecError
 from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
 from specs.loading import library, load_task, task_from_text
@@ -24,11 +26,14 @@ __all__ = [
     "doubts",
     "library",
     "load_task",
+    "load_variant",
     "primitives_in",
     "task_from_text",
     "task_to_yaml",
     "to_dot",
     "to_json",
     "to_mermaid",
+    "with_controller",
+    "with_parameter",
     "with_tempo",
 ]

@@ -1,18 +1,24 @@
 """Binding: a task meets a body. Every name becomes an index here, and every error is raised."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from primitives import Field, Primitive, PrimitiveError
-from primitives.go_to_point import ReachField
 from sim import Body, BodyError
+from specs.blame import told
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
 from specs.reading import Document, Path_
-from specs.task import TaskSpec
+from specs.task import SubTask, TaskSpec
+
+FIELD = ("claims", "unit", "begin", "torque", "error")  # the parts of a field
+OWN_KEYS = {*SubTask.model_fields, "primitive"}  # of a step of a task; the rest is its primitive's
+QUOTED = re.compile("'([^']*)'")
 
 
 @dataclass(frozen=True)
@@ -56,7 +62,7 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
         _bind(b.does, body, np.inf, document, ("background", i), b.name)
         for i, b in enumerate(spec.background)
     )
-    places = {s.name: ("subtasks", i) for i, s in enumerate(spec.subtasks)}
+    places: dict[str, Path_] = {s.name: ("subtasks", i) for i, s in enumerate(spec.subtasks)}
     fields = tuple(
         _bind(
             graph.subtasks[name].does,
@@ -69,6 +75,7 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
         for name in graph.order
     )
     _check_claims(graph, fields, body, document, places)
+    _check_goals(graph, fields, document, places)
     start = body.home.copy()
     if spec.start is not None:
         try:
@@ -80,26 +87,97 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     return BoundTask(body, graph, background, fields, start)
 
 
-def doubts(task: BoundTask) -> list[str]:
-    """What can be known to fail without simulating, one sentence each."""
-    found = []
-    for name, field in zip(task.graph.order, task.fields, strict=True):
-        far = field.too_far() if isinstance(field, ReachField) else 0.0
-        if far > 0.0:
-            found.append(
-                f"{name}: the goal is {100 * far:.0f} cm farther from the shoulder than"
-                f" the arm of {task.body.map.name} is long"
-            )
-    return found
-
-
 def _bind(
     primitive: Primitive, body: Body, duration: float, document: Document, path: Path_, name: str
 ) -> Field:
+    """The field of a primitive; whatever is wrong with it is said at its place in the file."""
     try:
-        return primitive.bind(body, duration)
+        field = primitive.bind(body, duration)
+        wrong = _no_field(field, body)
     except (BodyError, PrimitiveError) as problem:
-        raise document.error(f"{name}: {problem}", path) from None
+        where, key = _named(document, path, str(problem))
+        raise document.error(f"{name}: {problem}", where, key=key) from None
+    except (Exception, SystemExit) as problem:  # whatever the user's own code raises
+        said = f"{name}: bind of {type(primitive).__name__} raised {told(problem)}"
+        raise document.error(said, path) from problem
+    if wrong:
+        raise document.error(f"{name}: bind of {type(primitive).__name__} {wrong}", path)
+    return field
+
+
+def _no_field(field: object, body: Body) -> str:
+    """What is wrong with something that a `bind` returned as a field; nothing if it is one."""
+    lacks = [part for part in FIELD if not hasattr(field, part)]
+    lacks += [
+        part for part in FIELD[2:] if part not in lacks and not callable(getattr(field, part))
+    ]
+    if lacks:
+        return (
+            f"returned {_called(field)}, which lacks {', '.join(lacks)}"
+            f" (a field has {', '.join(FIELD[:-1])} and {FIELD[-1]})"
+        )
+    claims, unit = getattr(field, FIELD[0]), getattr(field, FIELD[1])
+    if not isinstance(unit, str):
+        return f"returned {_called(field)} whose unit is {unit!r}; expected a word such as 'rad'"
+    if not isinstance(claims, np.ndarray) or claims.ndim != 1 or claims.dtype.kind not in "iu":
+        return (
+            f"returned {_called(field)} whose claims are {claims!r}; expected an array of"
+            " integers, as body.joints(…) returns"
+        )
+    if len(claims) and (claims.min() < 0 or claims.max() >= body.nv):
+        return f"returned {_called(field)} that claims joints beyond 0 to {body.nv - 1}: {claims}"
+    return ""
+
+
+def _called(made: object) -> str:
+    return "None" if made is None else f"an object of type {type(made).__name__}"
+
+
+def _named(document: Document, path: Path_, message: str) -> tuple[Path_, bool]:
+    """Where the first word in quotes of a message stands below a path, and whether as a key."""
+    quoted = QUOTED.search(message)
+    inside: Any = document.data
+    try:
+        for step in path:
+            inside = inside[step]
+    except (KeyError, IndexError, TypeError):  # the task is not quite what was read
+        return path, False
+    if quoted is None or not isinstance(inside, dict):
+        return path, False
+    parameters = {key: value for key, value in inside.items() if key not in OWN_KEYS}
+    return _search(parameters, quoted[1], path) or (path, False)
+
+
+def _search(inside: object, word: str, path: Path_) -> tuple[Path_, bool] | None:
+    """Depth first, in the order of the file."""
+    if inside == word:
+        return path, False
+    items: Iterable[tuple[str | int, object]] = ()
+    if isinstance(inside, dict):
+        items = inside.items()
+    elif isinstance(inside, list):
+        items = enumerate(inside)
+    for key, value in items:
+        if key == word:
+            return (*path, key), True
+        found = _search(value, word, (*path, key))
+        if found:
+            return found
+    return None
+
+
+def _check_goals(
+    graph: TaskGraph, fields: Sequence[Field], document: Document, places: Mapping[str, Path_]
+) -> None:
+    """Who is over when its goal is reached must have one."""
+    for name, field in zip(graph.order, fields, strict=True):
+        subtask = graph.subtasks[name]
+        if subtask.done == "reached" and field.unit == "":
+            raise document.error(
+                f"{name}: 'done: reached' needs a goal, and {subtask.does.kind} has none: the unit"
+                " of its error is empty",
+                (*places[name], "done"),
+            )
 
 
 def _check_claims(
@@ -107,7 +185,7 @@ def _check_claims(
     fields: Sequence[Field],
     body: Body,
     document: Document,
-    places: dict[str, tuple[str, int]],
+    places: Mapping[str, Path_],
 ) -> None:
     """Whatever claims a joint must do so one after the other.
 
@@ -135,4 +213,4 @@ def _check_claims(
         depth[name] = mine
 
 
-__all__ = ["BoundTask", "SpecError", "bind_task", "doubts"]
+__all__ = ["BoundTask", "SpecError", "bind_task"]

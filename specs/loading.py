@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from primitives import Primitive
 from sim import unknown
 from specs.available import available_primitives
+from specs.blame import told
 from specs.errors import SpecError
 from specs.reading import Document, Path_, read_file, read_text
 from specs.task import Background, SubTask, TaskSpec
@@ -29,6 +30,8 @@ def find_task(name: str) -> Path:
     Raises:
         SpecError: there is neither.
     """
+    if not name.strip():
+        raise SpecError(f"expected a task: a file, or one of {', '.join(library())}")
     if name in library():
         return library()[name]
     path = Path(name)
@@ -128,10 +131,14 @@ def _validate(document: Document, path: Path_, data: Any, model: type[Model]) ->
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        problem = min(error.errors(include_url=False), key=_rank)
+        problems = error.errors(include_url=False)
+        problem = min(problems, key=_rank)
         place = (*path, *_inside(data, problem["loc"]))
-        message = _said(dict(problem), place, model)
+        message = _said_of_length(dict(problem), place, problems)
+        message = message or _said(dict(problem), place, model)
         raise document.error(message, place, key=problem["type"] == "extra_forbidden") from None
+    except (Exception, SystemExit) as problem:  # whatever a validator of the user's own raises
+        raise document.error(f"{model.__name__} raised {told(problem)}", path) from problem
 
 
 def _rank(problem: Any) -> int:
@@ -153,10 +160,27 @@ def _inside(data: Any, loc: tuple[str | int, ...]) -> Path_:
     return tuple(path)
 
 
+def _said_of_length(problem: dict[str, Any], place: Path_, problems: Iterable[Any]) -> str:
+    """One sentence for a list that is too short or too long; nothing for other errors."""
+    kind, (*around, last) = problem["type"], problem["loc"] or ("",)
+    if kind == "missing" and isinstance(last, int):
+        lacking = [p["loc"] for p in problems if p["type"] == "missing"]
+        expected = 1 + max(loc[-1] for loc in lacking if loc[:-1] == (*around,))
+        return f"{_name(place)}: expected {expected} values, not {_short(problem['input'])}"
+    if kind in ("too_short", "too_long"):
+        bound, length = ("least", "min") if kind == "too_short" else ("most", "max")
+        context = problem["ctx"]
+        return (
+            f"{_name(place)}: expected at {bound} {context[f'{length}_length']},"
+            f" not {context['actual_length']}"
+        )
+    return ""
+
+
 def _said(problem: dict[str, Any], place: Path_, model: type[BaseModel]) -> str:
     """One sentence for one error of pydantic."""
     kind, given, loc = problem["type"], problem.get("input"), problem["loc"]
-    name = str(place[-1]) if place else "the task"
+    name = _name(place)
     if kind == "extra_forbidden":
         return unknown("key", loc[-1], model.model_fields if len(loc) == 1 else ())
     if kind == "missing":
@@ -170,6 +194,16 @@ def _said(problem: dict[str, Any], place: Path_, model: type[BaseModel]) -> str:
     said = str(problem["msg"])
     said = said.removeprefix("Input ").removeprefix("Value ")
     return f"{name} {said}, not {_short(given)}"
+
+
+def _name(place: Path_) -> str:
+    """What a place is called: its key, and which item of a list it is."""
+    if not place:
+        return "the task"
+    *around, last = place
+    if isinstance(last, int) and around and isinstance(around[-1], str):
+        return f"{around[-1]}, item {last + 1},"
+    return str(last)
 
 
 def _short(value: object) -> str:

@@ -15,10 +15,7 @@ LONG = 10.0  # [s] by then every set point has arrived
 def state_at(body: Body, qpos: np.ndarray, qvel: np.ndarray | None = None) -> State:
     """States of (n, nq) postures and (n, nv) velocities."""
     world = World(body, len(qpos))
-    world.reset(qpos)
-    if qvel is not None:
-        world.state.qvel[:] = qvel
-        world._batch.forward(stage=mujoco.mjtStage.mjSTAGE_VEL.value)
+    world.reset(qpos, qvel)
     return world.state
 
 

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
-from primitives.set_point import MOST_KNOTS, ORDER, knot_weights, minimum_jerk, weigh_knots
+from primitives.profiles import minimum_jerk
+from primitives.set_point import MOST_KNOTS, ORDER, knot_weights, weigh_knots
 
 PROFILES = sorted(ORDER)
 

@@ -1,8 +1,11 @@
 """The physics: the same alone and in a batch, at any number of threads."""
 
+from dataclasses import fields
+
 import mujoco
 import numpy as np
 import pytest
+from numba import typeof
 
 from sim import Body, BodyError, Diverged, Push, State, World
 
@@ -66,7 +69,9 @@ def test_a_push_on_a_link_that_does_not_exist_is_refused(body: Body) -> None:
 def test_physics_that_goes_wrong_is_noticed(body: Body) -> None:
     world = World(body, 3)
     world.check()
-    world.state.qvel[1] = np.inf
+    velocity = np.zeros((3, body.nv))
+    velocity[1] = np.inf
+    world.reset(qvel=velocity)
     world.step(np.zeros((3, body.nv)))
     with pytest.raises(Diverged, match="simulation 1"):
         world.check()
@@ -76,3 +81,27 @@ def test_physics_that_goes_wrong_is_noticed(body: Body) -> None:
 def test_a_world_needs_simulations_and_threads(body: Body, size) -> None:
     with pytest.raises(BodyError):
         World(body, **size)
+
+
+def test_what_a_primitive_sees_cannot_be_written(body: Body) -> None:
+    """However the state was made, and whatever part of it is looked at."""
+    world, data = World(body, 3), mujoco.MjData(body.model)
+    mujoco.mj_forward(body.model, data)
+    for state in (world.state, world.state.of_one(1), State.of(data)):
+        for field in fields(state):
+            with pytest.raises(ValueError, match="read-only"):
+                getattr(state, field.name)[:] = 0.0
+    velocity = np.full(body.nv, 0.5)
+    world.reset(qvel=velocity)
+    np.testing.assert_array_equal(world.state.qvel, np.tile(velocity, (3, 1)))
+    np.testing.assert_array_equal(world.state.qpos, np.tile(body.home, (3, 1)))
+
+
+def test_compiled_code_sees_the_same_types_however_a_state_was_made(body: Body) -> None:
+    """Else a loop of one's own would compile everything anew, for many seconds."""
+    data = mujoco.MjData(body.model)
+    mujoco.mj_forward(body.model, data)
+    ours, one, plain = World(body).state, World(body, 4).state.of_one(2), State.of(data)
+    for field in fields(State):
+        kinds = {typeof(getattr(state, field.name)) for state in (ours, one, plain)}
+        assert len(kinds) == 1, f"{field.name}: {kinds}"
