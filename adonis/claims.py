@@ -7,6 +7,7 @@ where the paper's own condition is not known, the sentence says which one was ch
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations
 
 import numpy as np
@@ -14,7 +15,10 @@ from numpy.typing import NDArray
 from scipy.signal import find_peaks
 from scipy.stats import spearmanr
 
-from adonis.comparing import COMBINED, Comparison, Dancer
+from adonis.bench import controller_costs, ik_cost
+from adonis.comparing import COMBINED, Comparison, Dancer, dance
+from sim import Body
+from specs import load_task
 
 FloatArray = NDArray[np.float64]
 
@@ -45,12 +49,34 @@ class Extras:
     ik: float  # one inverse-kinematics solution [us]
 
 
+def measure_extras(task: str, body: Body) -> Extras:
+    """Run and time what only the claims need."""
+    return Extras(
+        endpoint_force=dance(task, FORCE, body),
+        linear=dance(task, IMPEDANCE, body, profile="linear"),
+        costs=controller_costs(body),
+        ik=ik_cost(body),
+    )
+
+
+def can_claim(comparison: Comparison) -> bool:
+    """Whether this is the paper's task by all of the paper's controllers."""
+    words = tuple(s.words for s in comparison.subtasks)
+    return words == subtask_words() and all(name in comparison for name in PAPER)
+
+
+@cache
+def subtask_words() -> tuple[str, ...]:
+    """The paper's table 1."""
+    return tuple(s.words for s in load_task("macarena")[0].subtasks)
+
+
 def claims(comparison: Comparison, extras: Extras) -> list[Claim]:
     """Every claim that can be made about the dancers that were run.
 
-    Only for a comparison of all of the paper's three controllers; else there are none.
+    There are none unless `can_claim`.
     """
-    if not all(name in comparison for name in PAPER) or len(comparison.subtasks) != 12:
+    if not can_claim(comparison):
         return []
     return [claim(comparison, extras) for claim in CLAIMS]
 

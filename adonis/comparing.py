@@ -187,7 +187,11 @@ def dance(task: str, name: str, body: Body, *, profile: Profile | None = None) -
         body: whose task it is.
         profile: of the set points, instead of the task's own.
     """
-    return _dance(task, name, body, 0, False, lambda what, share: None, profile)
+    return _dance(task, name, body, 0, False, _silent, profile)
+
+
+def _silent(what: str, share: float) -> None:
+    """Tell nobody."""
 
 
 def _dance(
@@ -281,7 +285,7 @@ def _moves(
             spectral_arc_length=measures.spectral_arc_length(measures.speed(place, dt), dt),
             path=measures.path_length(place),
             line_deviation=measures.line_deviation(place),
-            curvature=float(np.nanmedian(measures.curvature(place, dt))),
+            curvature=_median(measures.curvature(place, dt)),
             settling=measures.settling_time(away, dt, SETTLED),
             joint_effort=measures.joint_effort(torque, dt),
             joint_work=measures.mechanical_work(torque, velocity, dt),
@@ -291,6 +295,12 @@ def _moves(
             tracking_unit=unit,
             numbers=count_numbers(subtask),
         )
+
+
+def _median(values: FloatArray) -> float:
+    """Of what is known; NaN if nothing is."""
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if known.size else np.nan
 
 
 def _held(recording: Recording, subtask: SubTask, judgement: Judgement) -> int:

@@ -1,5 +1,6 @@
 """Figures of a comparison: those of Mataric, Zordan & Williamson (1999), and more."""
 
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -171,7 +172,7 @@ def _speeds(comparison: Comparison, numbers: Sequence[int]) -> Figure:
     columns = 2 if len(numbers) <= 4 else 4
     rows = -(-len(numbers) // columns)
     figure, grid = plt.subplots(
-        rows, columns, figsize=(3.3 * columns + 1.5, 2.2 * rows + 0.6), layout="constrained",
+        rows, columns, figsize=(3.0 * columns + 1.5, 2.3 * rows + 0.6), layout="constrained",
         sharey=True, squeeze=False,
     )  # fmt: skip
     share = np.linspace(0.0, 1.0, 101)
@@ -183,8 +184,9 @@ def _speeds(comparison: Comparison, numbers: Sequence[int]) -> Figure:
             at = np.linspace(0.0, 1.0, move.speed.size)
             axes.plot(at, move.speed, color=COLORS[HUMAN], label=HUMAN, lw=1, marker=".", ms=4)
         axes.set_title(f"{number}  {_words(comparison, number)}", fontsize=8, loc="left")
-        axes.set(xlim=(0, 1), ylim=(0, None))
+        axes.set(xlim=(0, 1), xticks=(0, 0.5, 1))
         _plain(axes)
+    grid[0, 0].set_ylim(0, None)
     for axes in list(grid.flat)[len(numbers) :]:
         axes.set_axis_off()
     figure.supxlabel("share of the sub-task's time", fontsize=9)
@@ -240,8 +242,7 @@ def _handles(grid: Iterable[Axes]) -> dict[str, Artist]:
 
 def _words(comparison: Comparison, number: int) -> str:
     subtask = comparison.subtasks[number - 1]
-    words = subtask.words or subtask.name
-    return words if len(words) <= 34 else words[:33] + "…"
+    return textwrap.fill(subtask.words or subtask.name, 34)
 
 
 def _plain(axes: Axes) -> None:

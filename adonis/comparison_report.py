@@ -12,12 +12,23 @@ from typing import Any
 import jinja2
 import numpy as np
 
-from adonis.claims import Claim, Extras, claims, correlations, near_human
-from adonis.comparing import Comparison, Dancer, Move
+from adonis.claims import (
+    Claim,
+    Extras,
+    can_claim,
+    claims,
+    correlations,
+    measure_extras,
+    near_human,
+)
+from adonis.comparing import Comparison, Dancer, Move, compare
 from adonis.comparison_figures import Drawn, draw_all, draw_pictures
 from adonis.dancing import versions
+from adonis.human import Human
 from adonis.reporting import prepare_folder, write_text
-from sim import NoDisplay
+from adonis.superposition import as_table, star, study
+from adonis.superposition_figure import draw_superposition
+from sim import Body, NoDisplay
 
 Table = tuple[Sequence[str], Sequence[Sequence[str]]]
 KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
@@ -53,6 +64,65 @@ class Written:
     files: tuple[Path, ...]
     claims: tuple[Claim, ...]
     notices: tuple[str, ...]
+
+
+def compare_and_write(
+    task: str,
+    body: Body,
+    folder: Path,
+    *,
+    dancers: Sequence[str],
+    human: Human | None = None,
+    quick: bool = False,
+    seed: int = 0,
+    progress: Callable[[str, float], None],
+) -> tuple[Comparison, Written]:
+    """Everything that `adonis compare` does.
+
+    Args:
+        task: a name of the library, or a path.
+        body: whose task it is.
+        folder: where to.
+        dancers: names of controllers, or `combined`.
+        human: figures of a human.
+        quick: leave out timings, claims and the least-squares study.
+        seed: written into the recordings.
+        progress: told what is being done, and the share that is done.
+
+    Raises:
+        InputError, OutputError, RecordingError, SpecError, Stopped: see `compare` and
+            `write_comparison`.
+    """
+
+    def part(first: float, last: float) -> Callable[[str, float], None]:
+        return lambda what, share: progress(what, first + share * (last - first))
+
+    prepare_folder(folder)
+    comparison = compare(
+        task, body, dancers=dancers, human=human, seed=seed, costs=not quick,
+        progress=part(0.0, 0.4),
+    )  # fmt: skip
+    extras, table, more = None, None, []
+    if not quick and can_claim(comparison):
+        progress("what only the paper's claims need", 0.4)
+        extras = measure_extras(task, body)
+        told = part(0.5, 0.8)
+        rows = study(progress=lambda share, what: told(f"least squares: {what}", share))
+        table = as_table(rows)
+        path = folder / "superposition.png"
+        draw_superposition(rows, star(), path)
+        more.append(Drawn("Weights by least squares", SUPERPOSED, (path,)))
+    written = write_comparison(
+        comparison, folder, extras=extras, superposition=table, more_figures=more,
+        progress=part(0.8, 1.0),
+    )  # fmt: skip
+    return comparison, written
+
+
+SUPERPOSED = (
+    "Torque error and deviation of the hand from a straight line over the number of fields; at"
+    " the right the paths of the planar hand over the lines that were wanted."
+)
 
 
 def write_comparison(
@@ -115,7 +185,7 @@ def summary(comparison: Comparison) -> tuple[list[str], list[tuple[str, list[str
     """One row for each dancer: success, checks, effort, cost."""
     heads = ["sub-tasks", "deepest [mm]", "clearance [mm]", "peak torque", "hand-over step"]
     heads += ["jerk, geometric mean", "effort [N²m²s]", "work [J]", "numbers to give"]
-    heads += ["µs a step", "× physics"]
+    heads += ["µs a step", "of physics"]
     if comparison.human is not None:
         heads.append("peaks near human")
     rows = []

@@ -20,29 +20,20 @@ Nothing follows the path: the weights are functions of time alone.
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from scipy.optimize import nnls
 
 from primitives import CompensateGravity, GetPosture
 from primitives.primitive import BoolArray, Field, FloatArray, IntArray
 from primitives.profiles import pulse, step
-from sim import Body, State, World, adonis
-from sim.motions import Motion, site_paths, straight_motion
-from sim.planar_arm import planar_arm
+from sim import Body, Motion, State, World, adonis, planar_arm, site_paths, straight_motion
 
 PULSES = 6  # for each field: one over the whole movement, five over a third of it
 SPREAD = 1.2  # of the wells' centres about the path, in every joint [rad]
 WIDTH = 1.0  # of the wells [rad]; narrower ones fit better, but push away from the path
 EVERY = 5  # steps from one row of the least squares to the next
 REST = 0.3  # for which the end of the movement is held [s]
-COLORS = ("#1a8c6b", "#d1542a", "#28649e")
 COUNTS = (4, 8, 16, 32, 64, 128, 256)
 SEEDS = (0, 1, 2)
 
@@ -399,52 +390,27 @@ def star(choice: Choice = Choice(16), *, length: float = 0.18, ways: int = 8) ->
     return runs
 
 
-def draw_superposition(rows: Sequence[Row], runs: Sequence[Run], path: Path) -> None:
-    """Residual and deviation over the number of fields, and the paths of a planar hand."""
-    figure, (left, middle, right) = plt.subplots(1, 3, figsize=(13, 4.2), layout="constrained")
-    _draw_scaling(left, rows, "residual", 1.0)
-    _draw_scaling(middle, rows, "deviation", 1000.0)
-    left.set_ylabel("RMS torque error, share of the wanted torque")
-    left.set_ylim(top=100.0)
-    left.legend(frameon=False, fontsize=8, loc="upper right")
-    middle.set_ylabel("largest distance of a hand from its line [mm]")
-    middle.axhline(10.0, color="#999999", lw=0.8)
-    for run in runs:
-        for hand, line in zip(run.paths, run.lines, strict=True):
-            # Seen from above, forward up.
-            right.plot(-line[:, 1], line[:, 0], color="#cccccc", lw=4, solid_capstyle="round")
-            right.plot(-hand[:, 1], hand[:, 0], color=COLORS[0], lw=1)
-    worst = 1000.0 * max((run.deviation for run in runs), default=0.0)
-    right.set_title(f"planar arm: at most {worst:.1f} mm off the line", fontsize=9)
-    right.locator_params(axis="x", nbins=5)
-    right.set(xlabel="to the right [m]", ylabel="forward [m]", aspect="equal")
-    for axes in (left, middle, right):
-        axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=130)
-    plt.close(figure)
+def as_table(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+    """Heads and cells of the study: for each system and count the median over the seeds."""
+    heads = ["system", "joints", "fields", "used", "torque error", "off the line [mm]"]
+    heads += ["off at the end [mm]", "peak torque", "least squares [s]"]
+    plain = [r for r in rows if r.choice == Choice(r.choice.fields, seed=r.choice.seed)]
+    cells = []
+    for key in dict.fromkeys((r.body, r.dof, r.choice.fields) for r in plain):
+        same = [r for r in plain if (r.body, r.dof, r.choice.fields) == key]
 
+        def middle(name: str, same: Sequence[Row] = same) -> float:
+            return float(np.median([getattr(r, name) for r in same]))
 
-def _draw_scaling(axes: Axes, rows: Sequence[Row], figure: str, scale: float) -> None:
-    """One figure of the rows over the number of fields: median and range of the seeds."""
-    bodies = dict.fromkeys((row.body, row.dof) for row in rows)
-    for (body, dof), color in zip(bodies, COLORS, strict=False):
-        for coupled, style in ((False, "o-"), (True, "--")):
-            n, low, median, high = _over_fields(rows, body, figure, coupled)
-            name = f"{body}, {dof} joints" if not coupled else None
-            axes.plot(n, scale * median, style, color=color, ms=4, lw=1.4, label=name)
-            if not coupled:
-                axes.fill_between(n, scale * low, scale * high, color=color, alpha=0.15, lw=0)
-    axes.plot([], [], "--", color="#777777", label="wells coupled over the joints")
-    axes.set(xscale="log", yscale="log", xlabel="fields to choose from")
-    axes.set_xticks(n, [f"{int(k)}" for k in n])
-    axes.minorticks_off()
-
-
-def _over_fields(rows: Sequence[Row], body: str, figure: str, coupled: bool) -> FloatArray:
-    """Counts of fields, and least, median and largest value over the seeds (4, counts)."""
-    found: dict[int, list[float]] = {}
-    for row in rows:
-        if row.body == body and replace(row.choice, seed=0) == Choice(row.fields, coupled):
-            found.setdefault(row.fields, []).append(getattr(row, figure))
-    values = [(n, min(v), float(np.median(v)), max(v)) for n, v in sorted(found.items())]
-    return np.array(values, dtype=float).reshape(-1, 4).T
+        cells.append(
+            [
+                *(str(k) for k in key),
+                f"{middle('used'):.0f}",
+                f"{middle('residual'):.2f}",
+                f"{1000 * middle('deviation'):.1f}",
+                f"{1000 * middle('end_error'):.1f}",
+                f"{middle('peak'):.2f}",
+                f"{middle('seconds'):.3f}",
+            ]
+        )
+    return heads, cells

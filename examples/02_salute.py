@@ -14,11 +14,17 @@ body = adonis()
 for tempo in (60, 90):
     (recording,) = run_task(bind_task(with_tempo(spec, tempo), body, document))
     judgement = judge(recording)
-    print(f"at {tempo} beats per minute {judgement.passed} of {len(judgement.verdicts)} succeed")
+    for verdict in judgement.verdicts:
+        worst = verdict.worst
+        assert worst is not None
+        said = f"{worst.what} {worst.value:.3f} of {worst.limit:g} {worst.unit}"
+        print(f"at {tempo} bpm {verdict.subtask.name}: {said}")
+    assert judgement.success, "every sub-task succeeds, at both tempos"
+    print(f"at {tempo} bpm all {judgement.passed} sub-tasks succeed")
 
 # A mistake is found before anything moves, and the message says where and what there is.
 try:
-    spec, document = task_from_text(path.read_text().replace("head.front", "head.font"), path.name)
+    spec, document = task_from_text(path.read_text().replace("head.right", "head.rihgt"), path.name)
     bind_task(spec, body, document)
 except SpecError as mistake:
     print(mistake)

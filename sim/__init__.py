@@ -4,6 +4,8 @@ from sim.bodies import BODIES, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Limb, Servo, Spring
 from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
+from sim.motions import Motion, inverse_dynamics, site_paths, straight_motion
+from sim.planar_arm import planar_arm
 from sim.posing import ArmWords, pose
 from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
@@ -27,6 +29,7 @@ __all__ = [
     "Diverged",
     "Frame",
     "Limb",
+    "Motion",
     "NoDisplay",
     "PalmGoal",
     "Poses",
@@ -43,10 +46,14 @@ __all__ = [
     "State",
     "World",
     "adonis",
+    "inverse_dynamics",
     "load_body",
+    "planar_arm",
     "pose",
     "reach",
     "render_filmstrip",
     "render_video",
+    "site_paths",
+    "straight_motion",
     "unknown",
 ]

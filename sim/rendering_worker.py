@@ -18,7 +18,7 @@ from sim.recording import Recording
 Picture = NDArray[np.uint8]
 TRAIL_COLORS = ((0.86, 0.33, 0.16, 0.9), (0.10, 0.55, 0.42, 0.9))
 CAPTION = 44  # height [pixels]
-DIFFERENT = 12.0  # of 255: pixels that differ by more show something that moved
+DIFFERENT = 24.0  # of 255: pixels that differ by more show something that moved
 
 
 class Camera:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from sim import Body
-from specs import bind_task, task_from_text
+from specs import SpecError, bind_task, task_from_text
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
@@ -45,6 +45,24 @@ def run(code: list[str], where: Path) -> str:
 def test_an_example_runs_and_is_short(path: Path, tmp_path: Path) -> None:
     assert len(path.read_text().splitlines()) < 80
     assert run([str(path)], tmp_path).strip()
+
+
+def test_the_salute_succeeds_at_its_tempos(tmp_path: Path) -> None:
+    said = run([str(ROOT / "examples" / "02_salute.py")], tmp_path)
+    for tempo in (60, 90):
+        assert f"at {tempo} bpm all 2 sub-tasks succeed" in said
+    place = "02_salute.yaml:16:16"
+    assert f"{place}: salute: unknown landmark 'head.rihgt'; did you mean 'head.right'?" in said
+
+
+def test_the_mistake_in_the_documentation_is_what_one_sees(body: Body) -> None:
+    """The hello.yaml of README with the typing error of docs/tasks.md."""
+    (hello,) = (text.values[0] for text in shown("yaml") if "task: hello" in text.values[0])
+    spec, document = task_from_text(hello.replace("chest.front", "chest.font"), "hello.yaml")
+    with pytest.raises(SpecError) as caught:
+        bind_task(spec, body, document)
+    shortened = re.sub(r"there are: .*\)", "there are: …)", str(caught.value))
+    assert shortened in (ROOT / "docs" / "tasks.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("text", shown("python"))

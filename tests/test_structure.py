@@ -20,6 +20,9 @@ OWNERS = {
     "typer": {"adonis"},
     "rich": {"adonis"},
     "matplotlib": {"adonis"},
+    "mink": {"sim"},
+    "scipy": {"adonis"},
+    "jinja2": {"adonis"},
 }
 FILES = [path for floor in FLOORS for path in sorted((ROOT / floor).rglob("*.py"))]
 

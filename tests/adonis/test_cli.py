@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,8 @@ import mujoco
 import numpy as np
 import pytest
 
+from adonis.errors import OutputError
+from adonis.reporting import write_text
 from sim import Recording
 from specs import task_from_text
 
@@ -65,6 +68,7 @@ def test_run_writes_what_it_promises(finished) -> None:
         assert keys <= row.keys()
         assert row["error"] <= row["tolerance"]
         assert 0 <= row["start"] < row["end"] <= report["duration"]
+    assert report["torque_saturation"] == 0.0
     for key in (
         "worst_penetration", "smallest_clearance", "largest_hand_over_torque_step",
         "peak_torque_share",
@@ -104,6 +108,7 @@ def test_a_dance_that_fails_ends_with_1(tmp_path: Path) -> None:
     ended = adonis("run", "far.yaml", cwd=tmp_path, MUJOCO_GL="bogus")
     assert ended.returncode == 1
     assert "0 of 1 sub-tasks succeeded: failed" in ended.stdout
+    assert "-0.00" not in ended.stdout
     report = json.loads((tmp_path / "runs" / "wave" / "report.json").read_text())
     assert report["success"] is False
 
@@ -142,6 +147,22 @@ BAD = {
     "unknown body": (GOOD, "adonis-female", ("--body", "hercules")),
     "impossible tempo": (GOOD, "between 1 and 1000", ("--tempo", "0")),
     "primitives that are not there": (GOOD, "no such file", ("--primitives", "mine.py")),
+    "primitives that are a task": (
+        GOOD,
+        "expected a .py file or a module, not 'task.yaml'",
+        ("--primitives", "task.yaml"),
+    ),
+    "primitives that are a folder": (
+        GOOD,
+        "expected a .py file or a module, not '.'",
+        ("--primitives", "."),
+    ),
+    "a folder without a name": (GOOD, "--out: expected a path, not ''", ("--out", "")),
+    "a gain beyond all measure": (
+        GOOD.replace("beats: 2", "stiffness: 1.0e+300"),
+        "less than or equal to 1000000000",
+        (),
+    ),
 }
 
 
@@ -188,6 +209,178 @@ def test_check_doubts_a_goal_that_is_out_of_reach(tmp_path: Path) -> None:
     assert "farther from the shoulder" in ended.stdout
 
 
+def test_a_task_without_a_name_is_refused(tmp_path: Path) -> None:
+    for command in ("run", "check", "graph"):
+        ended = adonis(command, "", cwd=tmp_path)
+        assert ended.returncode == 2
+        assert ended.stderr.startswith("adonis: expected a task: a file, or one of ")
+        assert ended.stderr.count("\n") == 1
+
+
+# --- primitives of one's own, with mistakes in them ------------------------------------------
+
+MINE = """
+import os
+import signal
+from typing import Literal
+
+import numpy as np
+
+from primitives import Primitive
+
+
+class Silent(Primitive):
+    kind: Literal["silent"] = "silent"
+
+
+class Unbound(Primitive):
+    kind: Literal["unbound"] = "unbound"
+
+    def bind(self, body, duration):
+        return body.joints(None + 1)  # line 19
+
+
+class Damp(Primitive):
+    kind: Literal["damp"] = "damp"
+    wrong: str = ""
+    at: float = 0.0
+
+    def bind(self, body, duration):
+        if self.wrong == "interrupted-bind":
+            os.kill(os.getpid(), signal.SIGINT)
+        return super().bind(body, duration)
+
+    def torque(self, state, t):
+        if t[0] >= self.at:
+            match self.wrong:
+                case "raises":
+                    raise RuntimeError("out of water")  # line 36
+                case "exits":
+                    raise SystemExit(0)
+                case "nan":
+                    return np.nan * state.qvel
+                case "interrupted":
+                    os.kill(os.getpid(), signal.SIGINT)
+        return -state.qvel
+"""
+
+
+def with_mine(where: Path, parameters: str) -> tuple[str, ...]:
+    (where / "mine.py").write_text(MINE)
+    (where / "task.yaml").write_text(
+        "task: own\nsubtasks:\n  - {name: up, primitive: get-posture, joints: [neck],"
+        " posture: upright, seconds: 0.4}\n"
+        f"background:\n  - {{name: water, primitive: {parameters}}}\n"
+    )
+    return "task.yaml", "--primitives", "mine.py"
+
+
+def left(where: Path) -> set[str]:
+    return {p.name for p in where.iterdir()} - {"mine.py", "task.yaml", "__pycache__"}
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        ("silent", "task.yaml:5:5: water: Silent makes no torque: it needs a method torque"),
+        ("unbound", "task.yaml:5:5: water: bind of Unbound raised TypeError: unsupported"),
+    ],
+)
+def test_a_mistake_in_bind_is_found_before_anything_moves(tmp_path, command, parameters, said):
+    ended = adonis(command, *with_mine(tmp_path, parameters), cwd=tmp_path)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith(f"adonis: {said}")
+    assert ("mine.py:19)" in ended.stderr) == (parameters == "unbound")
+    assert ended.stderr.count("\n") == 1
+    assert left(tmp_path) == set()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ("raises", "the torque of 'water' raised RuntimeError: out of water ("),
+        ("exits", "the torque of 'water' raised SystemExit: 0 ("),
+        ("nan", "'water' asks for a torque that is not finite"),
+    ],
+)
+def test_a_mistake_at_the_first_step_leaves_nothing_behind(tmp_path, wrong, said) -> None:
+    task = with_mine(tmp_path, f"damp, wrong: {wrong}")
+    ended = adonis("run", *task, "--out", "a/b", cwd=tmp_path)
+    assert ended.returncode == 2
+    assert ended.stderr.startswith(f"adonis: {said}")
+    assert ended.stderr.count("\n") == 1
+    assert ended.stdout.strip() == ""
+    assert left(tmp_path) == set()
+
+
+def test_a_folder_that_was_there_stays_as_it_was(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "mine.txt").write_text("mine")
+    task = with_mine(tmp_path, "damp, wrong: raises")
+    assert adonis("run", *task, "--out", "a", cwd=tmp_path).returncode == 2
+    assert [p.name for p in (tmp_path / "a").iterdir()] == ["mine.txt"]
+
+
+def test_a_mistake_in_mid_run_keeps_what_was_recorded(tmp_path: Path) -> None:
+    task = with_mine(tmp_path, "damp, wrong: raises, at: 0.1")
+    ended = adonis("run", *task, cwd=tmp_path, MUJOCO_GL="bogus")
+    assert ended.returncode == 1
+    assert "stopped: the torque of 'water' raised RuntimeError: out of water (" in ended.stdout
+    assert "mine.py:36), during up" in ended.stdout
+    assert "Traceback" not in ended.stdout + ended.stderr
+    recording = Recording.load(tmp_path / "runs" / "own")
+    assert recording.time[-1] == pytest.approx(0.1, abs=0.005)
+    assert not list((tmp_path / "runs" / "own").glob("*.part"))
+
+
+@pytest.mark.parametrize(
+    "parameters", ["damp, wrong: interrupted-bind", "damp, wrong: interrupted", "late"]
+)
+def test_ctrl_c_ends_with_130_and_says_so(tmp_path: Path, parameters: str) -> None:
+    late = parameters == "late"
+    task = with_mine(tmp_path, "damp, wrong: interrupted, at: 0.1" if late else parameters)
+    ended = adonis("run", *task, cwd=tmp_path, MUJOCO_GL="bogus")
+    assert ended.returncode == 128 + signal.SIGINT
+    assert "interrupted" in (ended.stdout if late else ended.stderr)
+    assert "Traceback" not in ended.stdout + ended.stderr
+    assert left(tmp_path) == ({"runs"} if late else set())
+
+
+def test_the_last_line_names_the_check_that_failed(tmp_path: Path) -> None:
+    """The hand arrives, but nobody keeps the trunk from following it."""
+    text = GOOD.replace("tempo: 120", "tempo: 120\ncoda: 10")
+    upright = next(line for line in GOOD.splitlines() if "name: upright" in line)
+    (tmp_path / "drift.yaml").write_text(text.replace(upright + "\n", ""))
+    ended = adonis("run", "drift.yaml", cwd=tmp_path, MUJOCO_GL="bogus")
+    assert ended.returncode == 1
+    assert "1 of 1 sub-tasks succeeded, but not: upright" in ended.stdout
+    assert "-0.00" not in ended.stdout
+
+
+# --- files ---------------------------------------------------------------------------------
+
+
+def test_bench_finds_out_that_it_cannot_write_before_it_measures(tmp_path: Path) -> None:
+    (tmp_path / "afile").write_text("a file, not a folder")
+    for out in ("afile/x.json", ".", "/proc/x.json"):
+        ended = adonis("bench", "--quick", "--out", out, cwd=tmp_path)
+        assert ended.returncode == 2
+        assert ended.stderr.startswith("adonis: cannot ")
+        assert ended.stderr.count("\n") == 1, "nothing was measured"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["afile"]
+
+
+def test_a_text_that_cannot_be_written_is_one_error(tmp_path: Path) -> None:
+    (tmp_path / "afile").write_text("a file, not a folder")
+    with pytest.raises(OutputError, match=r"cannot write .*afile/x\.json"):
+        write_text(tmp_path / "afile" / "x.json", "text")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OutputError, match="cannot write"):
+        write_text(tmp_path / "folder", "text")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["afile", "folder"]
+
+
 @pytest.mark.parametrize(
     ("style", "said"), [("mermaid", "flowchart TD"), ("dot", "digraph"), ("json", '"edges"')]
 )
@@ -211,3 +404,6 @@ def test_help_teaches(tmp_path: Path) -> None:
         assert command in ended.stdout
     ended = adonis("run", "--help", cwd=tmp_path)
     assert "macarena" in ended.stdout
+    assert "Folder for the results. [default: (runs/TASK)]" in ended.stdout
+    ended = adonis("trials", "--help", cwd=tmp_path)
+    assert "Folder for the table. [default: (runs/TASK-trials)]" in ended.stdout

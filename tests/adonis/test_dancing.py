@@ -32,6 +32,7 @@ def test_a_torque_that_is_no_number_stops_the_run_and_keeps_what_there_was(body:
     (recording,) = caught.value.recordings
     assert not recording.complete
     assert recording.time[-1] == pytest.approx(0.1, abs=0.01)
+    assert not caught.value.interrupted
     assert np.isfinite(recording.qpos).all()
     assert not judge(recording, task.spec).success
 
@@ -53,6 +54,7 @@ def test_an_interrupted_run_keeps_what_there_was(dance) -> None:
     with pytest.raises(Stopped, match=r"interrupted at 1\.6") as caught:
         run_task(dance.task, progress=interrupt)
     assert not caught.value.recordings[0].complete
+    assert caught.value.interrupted
 
 
 def test_random_starts_are_free_and_differ_and_come_again(body: Body) -> None:

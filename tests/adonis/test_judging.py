@@ -7,10 +7,11 @@ import pytest
 
 from adonis.dancing import random_start, run_task
 from adonis.judging import Judgement, judge
+from adonis.reporting import saturation
 from primitives import GoToPoint, Place
 from sim import Body, BodyMap, Push, adonis
 from sim.anthropometry import FEMALE
-from specs import SubTask, TaskSpec, bind_task, load_task, with_tempo
+from specs import SubTask, TaskSpec, bind_task, load_task, task_from_text, with_tempo
 
 SPEC, DOCUMENT = load_task("macarena")
 
@@ -156,6 +157,46 @@ def test_a_run_that_broke_off_is_no_success(dance) -> None:
 def test_a_sub_task_that_it_did_not_come_to_is_no_success(dance) -> None:
     cut = replace(dance.recording, spans=dance.recording.spans[:-1])
     assert "left-to-hip" in failed(judge(cut, SPEC))
+
+
+TURNED = """
+task: turned
+background:
+  - {name: upright, primitive: get-posture, joints: [waist, neck], posture: upright}
+  - {name: weight, primitive: compensate-gravity}
+subtasks:
+  - {name: turn, primitive: get-posture, joints: [waist],
+     posture: {waist_x: 0, waist_y: 0, waist_z: 30}}
+  - {name: out, primitive: get-posture, limb: right_arm,
+     posture: {arm: forward, elbow: straight, palm: down}}
+  - {name: back, primitive: get-posture, joints: [waist], posture: {waist: 0}}
+"""
+
+
+def test_a_posture_is_seen_from_the_trunk_that_carries_the_arm(body: Body) -> None:
+    """Forward is where the trunk faces: before, while and after the waist turns."""
+    spec, document = task_from_text(TURNED)
+    (recording,) = run_task(bind_task(spec, body, document), contributions=False)
+    waist = np.rad2deg(recording.qpos[recording.row(2.0), body.joints("waist_z")[0]])
+    assert waist == pytest.approx(30.0, abs=2.0)
+    assert failed(judge(recording, spec)) == set()
+    other = with_does(spec, "out", posture={"arm": (0.87, 0.5, 0.0), "palm": "down"})
+    assert failed(judge(recording, other)) == {"out"}
+
+
+def test_saturation_is_the_share_of_steps_at_a_limit(dance) -> None:
+    torque, limit = dance.recording.torque.copy(), dance.task.body.torque_limit
+    assert saturation(dance.recording) == 0.0
+    torque[:25, 6] = -limit[6]
+    torque[20:30, 7] = limit[7]
+    assert saturation(replace(dance.recording, torque=torque)) == 30 / len(torque)
+
+
+def test_nothing_that_touches_is_no_penetration_below_zero(dance) -> None:
+    still = np.tile(dance.recording.qpos[0], (len(dance.recording.time), 1))
+    judged = judge(replace(dance.recording, qpos=still), SPEC)
+    (penetration,) = (c for c in judged.checks if c.what == "worst penetration")
+    assert f"{penetration.value:.2f}" == "0.00"
 
 
 def test_a_place_that_is_no_landmark_is_judged_too(body: Body) -> None:

@@ -10,7 +10,6 @@ from adonis.superposition import (
     Superposition,
     System,
     Wells,
-    draw_superposition,
     draw_wells,
     fit,
     linear_system,
@@ -21,9 +20,8 @@ from adonis.superposition import (
     systems,
     time_courses,
 )
-from sim import BodyError, World
-from sim.motions import inverse_dynamics, site_paths
-from sim.planar_arm import planar_arm
+from adonis.superposition_figure import draw_superposition
+from sim import BodyError, World, inverse_dynamics, planar_arm, site_paths
 
 ONE = np.ones(1, dtype=bool)
 

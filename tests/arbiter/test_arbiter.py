@@ -211,6 +211,79 @@ def test_a_torque_that_is_no_number_is_named(body: Body) -> None:
         play(bound, 0.5)
 
 
+class Own(Primitive):
+    """A primitive of somebody's own, with a mistake in it."""
+
+    kind: Literal["own"] = "own"
+    part: str
+    wrong: str
+
+    def bind(self, body: Body, duration: float):
+        return OwnField(body, self.part, self.wrong)
+
+
+class OwnField(ConstantField):
+    def __init__(self, body: Body, part: str, wrong: str) -> None:
+        super().__init__(body.joints("neck"), 1.0, True, body.nv)
+        self._part, self._wrong = part, wrong
+
+    def _returned(self, part: str, right):
+        if part != self._part:
+            return right
+        if self._wrong == "raises":
+            return np.linalg.inv(np.zeros((2, 2)))  # raised in numpy, but this line is ours
+        if self._wrong == "ends":
+            raise SystemExit
+        others = {
+            "nothing": None,
+            "words": "much",
+            "one row": right[0],
+            "complex": right + 1j,
+            "ragged": [[1.0], [1.0, 2.0]],
+            "a list": right.tolist(),
+        }
+        return others[self._wrong]
+
+    def begin(self, state: State, who) -> None:
+        self._returned("begin", None)
+
+    def torque(self, state: State, t):
+        return self._returned("torque", super().torque(state, t))
+
+    def error(self, state: State):
+        return self._returned("error", super().error(state))
+
+
+@pytest.mark.parametrize(
+    ("part", "wrong", "said"),
+    [
+        ("begin", "raises", r"raised LinAlgError: Singular matrix \(.*test_arbiter\.py:\d+\)$"),
+        ("torque", "raises", r"raised LinAlgError: Singular matrix \(.*test_arbiter\.py:\d+\)$"),
+        ("error", "raises", r"raised LinAlgError: Singular matrix \(.*test_arbiter\.py:\d+\)$"),
+        ("torque", "ends", r"raised SystemExit \("),
+        ("torque", "nothing", r"returned None; .* shape \(n, nv\), here \(2, 20\)$"),
+        ("torque", "words", "returned something of type str; expected numbers"),
+        ("torque", "one row", r"returned float64 of shape \(20,\); expected .* \(n, nv\)"),
+        ("torque", "complex", r"returned complex128 of shape \(2, 20\)"),
+        ("torque", "ragged", "returned something of type list"),
+        ("error", "nothing", r"returned None; expected numbers of shape \(n,\), here \(2,\)$"),
+        ("error", "one row", "returned something of type float64; expected"),
+    ],
+)
+def test_a_mistake_in_somebody_s_own_code_is_named(body: Body, part, wrong, said) -> None:
+    bound = task_of(body, SubTask(name="wobble", does=Own(part=part, wrong=wrong), seconds=1.0))
+    arbiter = Arbiter(bound, 2)
+    with pytest.raises(ArbiterError, match=f"^the {part} of 'wobble' {said}") as caught:
+        arbiter.torque(World(body, 2).state)
+    assert "\n" not in str(caught.value)
+
+
+def test_torques_may_be_lists(body: Body) -> None:
+    does = Own(part="torque", wrong="a list")
+    _, asked = play(task_of(body, SubTask(name="a", does=does, seconds=0.1)), 0.2)
+    assert asked[-1, body.joints("neck")].tolist() == [1.0, 1.0, 1.0]
+
+
 def test_a_state_of_another_size_is_refused(body: Body) -> None:
     bound = task_of(body, SubTask(name="a", does=constant("neck"), seconds=0.1))
     with pytest.raises(ArbiterError, match="runs 2 simulations"):
