@@ -132,6 +132,7 @@ def write_comparison(
     extras: Extras | None = None,
     superposition: Table | None = None,
     more_figures: Sequence[Drawn] = (),
+    pictures: bool = True,
     progress: Callable[[str, float], None] | None = None,
 ) -> Written:
     """Write the report of a comparison.
@@ -142,6 +143,7 @@ def write_comparison(
         extras: what the paper's claims need beside; without them none are made.
         superposition: table of the least-squares study, if it was made.
         more_figures: that belong into the report.
+        pictures: whether to render filmstrips and the time-lapse.
         progress: told what is being made and the share that is done.
 
     Raises:
@@ -157,7 +159,8 @@ def write_comparison(
     figures = list(draw_all(comparison, folder, tell))
     notices: list[str] = []
     try:
-        figures += draw_pictures(comparison, folder, tell)
+        if pictures:
+            figures += draw_pictures(comparison, folder, tell)
     except NoDisplay as notice:
         notices.append(str(notice))
     figures += more_figures

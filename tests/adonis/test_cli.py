@@ -348,11 +348,10 @@ def test_ctrl_c_ends_with_130_and_says_so(tmp_path: Path, parameters: str) -> No
 
 
 def test_the_last_line_names_the_check_that_failed(tmp_path: Path) -> None:
-    """The hand arrives, but nobody keeps the trunk from following it."""
-    text = GOOD.replace("tempo: 120", "tempo: 120\ncoda: 10")
-    upright = next(line for line in GOOD.splitlines() if "name: upright" in line)
-    (tmp_path / "drift.yaml").write_text(text.replace(upright + "\n", ""))
-    ended = adonis("run", "drift.yaml", cwd=tmp_path, MUJOCO_GL="bogus")
+    """The hand arrives, but the trunk turned away, which no sub-task asks for."""
+    turned = "posture: {waist_x: 0, waist_y: 0, waist_z: 20, neck: 0}"
+    (tmp_path / "turned.yaml").write_text(GOOD.replace("posture: upright", turned))
+    ended = adonis("run", "turned.yaml", cwd=tmp_path, MUJOCO_GL="bogus")
     assert ended.returncode == 1
     assert "1 of 1 sub-tasks succeeded, but not: upright" in ended.stdout
     assert "-0.00" not in ended.stdout

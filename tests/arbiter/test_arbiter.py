@@ -8,6 +8,7 @@ import pytest
 
 from adonis.dancing import random_start, run_task
 from arbiter import Arbiter, ArbiterError
+from arbiter.kernel import control
 from primitives import AvoidCollisions, CompensateGravity, GetPosture, GoToPoint, Primitive
 from sim import Body, State, World
 from specs import Background, SubTask, TaskSpec, bind_task
@@ -328,11 +329,15 @@ def test_it_runs_in_a_mujoco_loop_of_one_s_own(dance) -> None:
     data = mujoco.MjData(model)
     data.qpos[:] = task.start
     arbiter = Arbiter(task)
+    arbiter.torque(World(task.body).state)
+    arbiter.reset()
+    compiled = set(control.signatures)
     for k in range(500):
         mujoco.mj_step1(model, data)
         np.testing.assert_array_equal(data.qpos, dance.recording.qpos[k])
         data.ctrl[:] = arbiter.torque(State.of(data))[0]
         mujoco.mj_step2(model, data)
+    assert set(control.signatures) == compiled, "nothing was compiled anew"
 
 
 def test_a_graph_of_ten_thousand_runs(body: Body) -> None:

@@ -100,7 +100,7 @@ subtasks:
   - {name: b, primitive: go-to-point, limb: right_arm, to: moon}
 """
     spec, document = task_from_text(text, "t.yaml")
-    with pytest.raises(SpecError, match=r"t.yaml:4:5: b: unknown landmark 'moon'.*head.top"):
+    with pytest.raises(SpecError, match=r"t.yaml:4:60: b: unknown landmark 'moon'.*head.top"):
         bind_task(spec, body, document)
     spec, document = task_from_text("start: yoga\n" + text, "t.yaml")
     with pytest.raises(SpecError, match=r"unknown"):

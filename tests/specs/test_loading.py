@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import model_validator
 
 from primitives import GoToPoint, Primitive
 from sim import Body
@@ -67,6 +68,12 @@ def test_a_task_is_read_as_it_is_written() -> None:
         ("to: head.top", "to: {near: head.top, at: 3}", 7, "unknown key 'at'"),
         ("to: head.top", "to: {away: 3}", 7, "either near (a landmark) or point"),
         ("to: head.top", "to: head.top\n    via: [{near: head.left, at: 1.5}]", 8, "less than 1"),
+        ("to: head.top", "to: {point: [1, 0]}", 7, "point: expected 3 values, not [1, 0]"),
+        ("to: head.top", "to: {point: [1]}", 7, "point: expected 3 values, not [1]"),
+        ("to: head.top", "to: {point: [1, 2, 3, 4]}", 7, "point: expected at most 3, not 4"),
+        ("to: head.top", "to: {point: [0, .nan, 0]}", 7, "point, item 2, should be a finite"),
+        ("beats: 2", "stiffness: 1.0e+300", 8, "less than or equal to 1000000000"),
+        ("beats: 2", "damping: 1.0e+300", 8, "less than or equal to 1000000000"),
         ("head.top", "!!python/object:os.system x", 7, "the tag"),
         ("head.top", "[", 9, "not YAML"),
         ("head.top", "*nowhere", 7, "not YAML"),
@@ -86,7 +93,7 @@ def test_a_mistake_is_refused_at_its_place(old: str, new: str, line: int, said: 
     [
         ("", "is empty"),
         ("- a\n- b\n", "expected keys and values"),
-        ("task: x\nsubtasks: []\n", "at least 1"),
+        ("task: x\nsubtasks: []\n", "subtasks: expected at least 1, not 0"),
         ("task: x\nsubtasks: 3\n", "expected a list"),
         ("task: x\n", "'subtasks' is missing"),
         ("subtasks: [3]\ntask: x\n", "expected keys and values"),
@@ -166,6 +173,29 @@ def test_a_primitive_of_one_s_own_is_an_argument() -> None:
     assert spec.subtasks[0].does == Wobble(strength=2)
     with pytest.raises(SpecError, match="unknown primitive 'wobble'"):
         task_from_text(text)
+
+
+def test_a_validator_of_one_s_own_may_raise_anything() -> None:
+    class Fragile(Primitive):
+        """Breaks when it is read."""
+
+        kind: str = "fragile"
+
+        @model_validator(mode="after")
+        def _check(self):
+            return {}["missing"]
+
+    text = "task: x\nsubtasks: [{name: a, primitive: fragile}]"
+    with pytest.raises(
+        SpecError, match=r"task:2:12: Fragile raised KeyError: 'missing' \(.*:\d+\)"
+    ):
+        task_from_text(text, primitives=[Fragile])
+
+
+def test_a_task_needs_a_name() -> None:
+    for name in ("", "  "):
+        with pytest.raises(SpecError, match=r"expected a task: a file, or one of .*macarena"):
+            load_task(name)
 
 
 TOKENS = [
