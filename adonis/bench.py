@@ -16,12 +16,14 @@ import numpy as np
 from adonis.dancing import about, versions
 from arbiter import Arbiter
 from primitives import AvoidCollisions, CompensateGravity, GetPosture, GoToPoint, Primitive
+from primitives.parameters import Controller
 from sim import BareWorld, Body, PalmGoal, Recorder, World, adonis, reach
-from specs import BoundTask, SubTask, TaskSpec, bind_task, load_task
+from specs import BoundTask, SubTask, TaskSpec, bind_task, load_task, load_variant
 
 TURN = 200  # steps
 ROUNDS = 5  # turns of each of several things
 FORWARD = (1.0, 0.0, 0.0)
+DANCES: tuple[Controller, ...] = ("pd-servo", "torque-field", "impedance", "endpoint-force")
 SIZES = ((1, 1), (1, 2), (64, 1), (64, 2), (1024, 1), (1024, 2))  # simulations, threads
 
 
@@ -48,6 +50,8 @@ def measure(*, quick: bool = False, tell: Callable[[str], None] = print) -> Any:
     figures["recording"] = _recording(task, quick)
     tell("primitives")
     figures["primitives"] = _primitives(body)
+    tell("the dance by each controller")
+    figures["controllers"] = _controllers(body, quick)
     tell("a graph of 10 000 sub-tasks")
     figures["graph"] = _graphs(body, 1000 if quick else 4000)
     tell("start-up")
@@ -159,6 +163,42 @@ def controller_costs(body: Body) -> dict[str, float]:
         ),
     )
     return {p.controller: us for p, us in found if isinstance(p, GetPosture | GoToPoint)}
+
+
+def _controllers(body: Body, quick: bool) -> dict[str, dict[str, float]]:
+    """The dance by each controller at n = 1 [us per step], all of them in turns with physics.
+
+    `control_us` is what the arbiter takes: background, hand-over and all fields that are on.
+    """
+    turns = []
+    for name in DANCES:
+        spec, document = load_variant("macarena", name)
+        task = bind_task(spec, body, document)
+        world, arbiter = World(body), Arbiter(task, contributions=False)
+        world.reset(task.start)
+        arbiter.torque(world.state)  # loads the compiled code
+        arbiter.reset()
+        turns.append((name, world, arbiter))
+    spent = {name: np.zeros(2) for name in DANCES}
+    steps = 600 if quick else 3400
+    for _ in range(steps // TURN):
+        for name, world, arbiter in turns:
+            for _ in range(TURN):
+                began = time.perf_counter()
+                torque = arbiter.torque(world.state)
+                middle = time.perf_counter()
+                world.step(torque)
+                spent[name] += middle - began, time.perf_counter() - middle
+    scale = 1e6 / (steps // TURN * TURN)
+    servo = spent["pd-servo"][0]
+    return {
+        name: {
+            "control_us": round(float(control * scale), 3),
+            "physics_us": round(float(physics * scale), 3),
+            "control_over_pd_servo": round(float(control / servo), 3),
+        }
+        for name, (control, physics) in spent.items()
+    }
 
 
 def _cost_of(body: Body, *primitives: Primitive) -> list[tuple[Primitive, float]]:

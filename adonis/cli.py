@@ -10,15 +10,9 @@ import typer
 from typer.core import TyperGroup
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
-    from adonis.dancing import FloatArray, Stopped
-    from adonis.judging import Judgement
-    from adonis.reporting import Results
     from specs import BoundTask, Document, TaskSpec
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
-FEWEST_ROWS = 2  # of a recording that is worth keeping: fewer are no movement
 
 
 class Commands(TyperGroup):
@@ -113,15 +107,22 @@ def run(
     console = Console()
     wished = _path("--out", out)
     bound = _bind(task, body, tempo, primitives, limits=limits, contacts=contacts)
+    from adonis.dancing import Stopped, random_start
+    from adonis.errors import OutputError
+    from adonis.performing import perform
+    from adonis.showing import print_results
+    from sim import SimError
+
     spec = bound.spec
     folder = wished or Path("runs") / spec.task
-    begin = None
-    if start is Start.random:
-        from adonis.dancing import random_start
-
-        begin = random_start(bound.body, bound.start, 1, seed)
-    results, stopped = _perform(console, bound, folder, start=begin, seed=seed, video=video)
-    _print_results(console, results.judgement, spec.title or spec.task)
+    begin = random_start(bound.body, bound.start, 1, seed) if start is Start.random else None
+    try:
+        results, stopped = perform(console, bound, folder, start=begin, seed=seed, video=video)
+    except (OutputError, SimError, Stopped) as problem:
+        if isinstance(problem, Stopped) and problem.interrupted:
+            raise KeyboardInterrupt from None
+        _refuse(problem)
+    print_results(console, results.judgement, spec.title or spec.task)
     for notice in results.notices:
         console.print(f"[yellow]{escape(notice)}[/yellow]")
     written = ", ".join(path.name for path in results.files.values())
@@ -345,74 +346,6 @@ def _bind(
         _refuse(problem)
 
 
-def _perform(
-    console: "Console",
-    bound: "BoundTask",
-    folder: Path,
-    *,
-    start: "FloatArray | None",
-    seed: int,
-    video: bool,
-) -> "tuple[Results, Stopped | None]":
-    """Do a task and write its results; what broke off is kept, if anything was recorded at all.
-
-    If nothing was, the folder is left as it was, and the reason ends the program.
-    """
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-    from adonis.dancing import Stopped, run_task
-    from adonis.errors import OutputError
-    from adonis.reporting import prepare_folder, remove_folders, write_results
-    from sim import Recording, SimError
-
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-    )
-    part = folder / "recording.npz.part"
-    recordings: tuple[Recording, ...] = ()
-    stopped: Stopped | None = None
-    made: tuple[Path, ...] = ()
-    ours = False
-    try:
-        made = prepare_folder(folder)
-        ours = not part.exists()
-        with Progress(*columns, console=console, transient=True) as bar:
-            shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
-
-            def moving(share: float, subtask: str) -> None:
-                bar.update(shown, completed=share, description=subtask or "holding")
-
-            def writing(what: str, share: float) -> None:
-                bar.update(shown, completed=share, description=f"writing: {what}")
-
-            try:
-                recordings = run_task(bound, start=start, seed=seed, part=part, progress=moving)
-            except Stopped as problem:
-                if len(problem.recordings[0].time) < FEWEST_ROWS:
-                    raise
-                stopped, recordings = problem, problem.recordings
-            results = write_results(
-                recordings[0], bound.spec, folder, video=video and not stopped, progress=writing
-            )
-            part.unlink(missing_ok=True)
-    except Stopped as problem:
-        if problem.interrupted:
-            raise KeyboardInterrupt from None
-        _refuse(problem)
-    except (OutputError, SimError) as problem:
-        _refuse(problem)
-    finally:
-        if not recordings:
-            if ours:
-                part.unlink(missing_ok=True)
-            remove_folders(made)
-    return results, stopped
-
-
 def _classes(files: list[str] | None) -> "list[type]":
     from specs import SpecError, primitives_in
 
@@ -442,63 +375,3 @@ def _refuse(problem: Exception | str) -> NoReturn:
     """One clear message, exit code 2."""
     typer.echo(f"adonis: {problem}", err=True)
     sys.exit(BAD_INPUT)
-
-
-def _print_results(console: "Console", judgement: "Judgement", title: str) -> None:
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(title=escape(title), title_justify="left")
-    for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
-                             ("from", "right"), ("to", "right"), ("error", "right"),
-                             ("allowed", "right"), ("", "left")):  # fmt: skip
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
-    for number, verdict in enumerate(judgement.verdicts, start=1):
-        row, worst = verdict.as_dict(), verdict.worst
-        error = allowed = ""
-        if worst is not None:
-            scale, unit = (1000.0, "mm") if worst.unit == "m" else (1.0, worst.unit)
-            error, allowed = (
-                f"{scale * worst.value:.1f} {unit}",
-                f"{scale * worst.limit:.0f} {unit}",
-            )
-        table.add_row(
-            str(number),
-            escape(row["words"] or row["name"]),
-            row["primitive"],
-            "" if row["start"] is None else f"{row['start']:.2f}",
-            "" if row["end"] is None else f"{row['end']:.2f}",
-            error,
-            allowed,
-            "[green]ok[/green]" if verdict.success else f"[red]{_why(verdict.span.outcome)}[/red]",
-        )
-    console.print(table)
-    for measure in judgement.checks:
-        scale, unit = (1000.0, "mm") if measure.unit == "m" else (1.0, measure.unit)
-        said = "[green]ok[/green]" if measure.success else "[red]failed[/red]"
-        where = f"  [dim]({measure.where})[/dim]" if measure.where else ""
-        console.print(
-            f"  {measure.what}: {scale * measure.value:.2f} {unit},"
-            f" allowed {scale * measure.limit:.2f}  {said}{where}",
-            soft_wrap=True,
-        )
-    total = len(judgement.verdicts)
-    console.print(
-        f"{judgement.passed} of {total} sub-tasks succeeded{_verdict(judgement)}", soft_wrap=True
-    )
-
-
-def _verdict(judgement: "Judgement") -> str:
-    """How the last line goes on: what else went wrong, where it was not the sub-tasks."""
-    if judgement.success:
-        return ": [green]success[/green]"
-    if judgement.passed < len(judgement.verdicts):
-        return ": [red]failed[/red]"
-    wrong = [c.what for c in judgement.checks if not c.success]
-    if not judgement.complete:
-        wrong.insert(0, "the whole run")
-    return f", but not: [red]{', '.join(wrong)}[/red]"
-
-
-def _why(outcome: str) -> str:
-    return "failed" if outcome == "done" else outcome

@@ -186,7 +186,7 @@ def _own_joint(body: Body, arm: Arm, name: str) -> str:
         moved = set()
     if not moved or not moved <= set(arm.dofs.tolist()):
         parts = {*ARM_PARTS, *joints, *(joint.removeprefix(side) for joint in joints)}
-        raise PrimitiveError(unknown(f"part of {arm.name}", name, parts))
+        raise PrimitiveError(unknown(f"joint or part of {arm.name}", name, parts))
     return name
 
 
