@@ -1,4 +1,4 @@
-"""The command line: `adonis run`, `check`, `graph`, `list`, `trials`, `bench`."""
+"""The command line: `adonis run`, `check`, `compare`, `graph`, `list`, `trials`, `bench`."""
 
 import os
 import sys
@@ -93,6 +93,12 @@ def run(
     contacts: Annotated[
         bool, typer.Option("--contacts/--no-contacts", help="Self-collision; the paper had none.")
     ] = True,
+    controller: Annotated[
+        str | None,
+        typer.Option(
+            "--controller", metavar="NAME", help="Let this controller move every sub-task."
+        ),
+    ] = None,
 ) -> None:
     """Do a task, and say how well it went.
 
@@ -106,7 +112,9 @@ def run(
 
     console = Console()
     wished = _path("--out", out)
-    bound = _bind(task, body, tempo, primitives, limits=limits, contacts=contacts)
+    bound = _bind(
+        task, body, tempo, primitives, limits=limits, contacts=contacts, controller=controller
+    )
     from adonis.dancing import Stopped, random_start
     from adonis.errors import OutputError
     from adonis.performing import perform
@@ -276,6 +284,76 @@ def trials(
 
 
 @app.command()
+def compare(
+    task: TaskArgument,
+    controllers: Annotated[
+        str | None,
+        typer.Option(
+            "--controllers",
+            metavar="NAMES",
+            help="Who dances, separated by commas; `combined` is the task as it is written.",
+            show_default="pd-servo,torque-field,impedance,combined",
+        ),
+    ] = None,
+    body: BodyOption = "adonis",
+    human: Annotated[
+        str | None,
+        typer.Option(
+            "--human", metavar="CSV", help="Figures of a human doing it (see docs/results.md)."
+        ),
+    ] = None,
+    out: Annotated[
+        str | None,
+        typer.Option(
+            "--out", metavar="DIR", help="Folder for the report.", show_default="runs/TASK-compared"
+        ),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Leave out timings, the paper's claims, least squares.")
+    ] = False,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Written into recordings.")] = 0,
+    primitives: PrimitivesOption = None,
+) -> None:
+    """Let one controller after another do a task, and measure them all.
+
+    Writes into DIR: report.html, which needs nothing beside it, its figures as SVG and PNG,
+    measures.csv, comparison.json and the recordings. Of the Macarena it also says which of the
+    1998 paper's claims are reproduced. A file TASK-CONTROLLER.yaml beside the task is taken for
+    that controller; else every sub-task is given to it as it stands.
+
+    [dim]adonis compare macarena[/dim]
+    """
+    from adonis.comparing import DANCERS
+    from adonis.dancing import Stopped
+    from adonis.errors import InputError, OutputError
+    from adonis.human import known_human, load_human
+    from adonis.performing import perform_comparison
+    from sim import SimError, load_body
+    from specs import SpecError
+
+    spec, _ = _load(task, None, primitives)
+    names = DANCERS if controllers is None else tuple(n.strip() for n in controllers.split(","))
+    wished = _path("--out", out)
+    try:
+        perform_comparison(
+            task,
+            load_body(body),
+            wished or Path("runs") / f"{spec.task}-compared",
+            dancers=names,
+            human=known_human(spec.task) if human is None else load_human(human),
+            quick=quick,
+            seed=seed,
+            primitives=_classes(primitives),
+        )
+    except Stopped as problem:
+        if problem.interrupted:
+            raise KeyboardInterrupt from None
+        _refuse(problem)
+    except (InputError, OutputError, SimError, SpecError) as problem:
+        _refuse(problem)
+
+
+@app.command()
 def bench(
     out: Annotated[
         str | None, typer.Option("--out", metavar="FILE", help="Write the JSON here as well.")
@@ -333,13 +411,16 @@ def _bind(
     *,
     limits: bool = True,
     contacts: bool = True,
+    controller: str | None = None,
 ) -> "BoundTask":
     """Read a task and bind it to a body; every mistake in either ends here, with code 2."""
     from sim import BodyError, load_body
-    from specs import SpecError, bind_task
+    from specs import SpecError, bind_task, with_controller
 
     spec, document = _load(task, tempo, primitives)
     try:
+        if controller is not None:
+            spec = with_controller(spec, controller)
         on = load_body(body, limits=limits, contacts=contacts)
         return bind_task(spec, on, document)
     except (BodyError, SpecError) as problem:

@@ -16,7 +16,7 @@ from adonis.errors import InputError
 from adonis.human import Human
 from adonis.judging import Judgement, judge
 from adonis.reporting import clearance
-from primitives import Field
+from primitives import Field, Primitive
 from primitives.parameters import Controller
 from primitives.posture_field import PostureField
 from primitives.reach_field import ReachField
@@ -149,6 +149,7 @@ def compare(
     human: Human | None = None,
     seed: int = 0,
     costs: bool = True,
+    primitives: Sequence[type[Primitive]] = (),
     progress: Callable[[str, float], None] | None = None,
 ) -> Comparison:
     """Let a task be done by one controller after another.
@@ -160,6 +161,7 @@ def compare(
         human: figures of a human.
         seed: written into the recordings.
         costs: whether to measure what each costs per step.
+        primitives: classes of one's own that the task may use.
         progress: told what is being done, and the share that is done.
 
     Raises:
@@ -173,8 +175,8 @@ def compare(
             if progress is not None:
                 progress(f"{name}: {what}", (k + share) / len(dancers))
 
-        found.append(_dance(task, name, body, seed, costs, tell))
-    spec = found[0].spec
+        found.append(_dance(task, name, body, seed, costs, tell, primitives=primitives))
+    spec, _ = load_task(task, primitives=primitives)
     return Comparison(task, spec.title or spec.task, body, tuple(found), human)
 
 
@@ -202,9 +204,13 @@ def _dance(
     costs: bool,
     tell: Callable[[str, float], None],
     profile: Profile | None = None,
+    primitives: Sequence[type[Primitive]] = (),
 ) -> Dancer:
     tell("binding", 0.0)
-    spec, document = load_task(task) if name == COMBINED else load_variant(task, _controller(name))
+    if name == COMBINED:
+        spec, document = load_task(task, primitives=primitives)
+    else:
+        spec, document = load_variant(task, _controller(name), primitives=primitives)
     if profile is not None:
         spec = with_parameter(spec, "profile", profile)
     began = time.perf_counter()
@@ -224,11 +230,11 @@ def _dance(
     return Dancer(name, spec, recording, judgement, replay, moves, cost)
 
 
-def _controller(name: str) -> Controller:
-    known: dict[str, Controller] = {c: c for c in get_args(Controller)}
+def _controller(name: str) -> str:
+    known = get_args(Controller)
     if name not in known:
         raise InputError(unknown("controller", name, [*known, COMBINED]))
-    return known[name]
+    return name
 
 
 def _rows(recording: Recording, span: Span) -> slice:

@@ -28,6 +28,7 @@ from adonis.human import Human
 from adonis.reporting import prepare_folder, write_text
 from adonis.superposition import as_table, star, study
 from adonis.superposition_figure import draw_superposition
+from primitives import Primitive
 from sim import Body, NoDisplay
 
 Table = tuple[Sequence[str], Sequence[Sequence[str]]]
@@ -75,6 +76,7 @@ def compare_and_write(
     human: Human | None = None,
     quick: bool = False,
     seed: int = 0,
+    primitives: Sequence[type[Primitive]] = (),
     progress: Callable[[str, float], None],
 ) -> tuple[Comparison, Written]:
     """Everything that `adonis compare` does.
@@ -87,6 +89,7 @@ def compare_and_write(
         human: figures of a human.
         quick: leave out timings, claims and the least-squares study.
         seed: written into the recordings.
+        primitives: classes of one's own that the task may use.
         progress: told what is being done, and the share that is done.
 
     Raises:
@@ -100,7 +103,7 @@ def compare_and_write(
     prepare_folder(folder)
     comparison = compare(
         task, body, dancers=dancers, human=human, seed=seed, costs=not quick,
-        progress=part(0.0, 0.4),
+        primitives=primitives, progress=part(0.0, 0.4),
     )  # fmt: skip
     extras, table, more = None, None, []
     if not quick and can_claim(comparison):

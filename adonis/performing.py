@@ -1,13 +1,25 @@
-"""One run as the command line does it: the task, a bar meanwhile, and what is left behind."""
+"""Runs as the command line does them: a bar meanwhile, and what is left behind."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 
+from adonis.comparison_report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
+from adonis.human import Human
 from adonis.reporting import Results, prepare_folder, remove_folders, write_results
-from sim import Recording
+from adonis.showing import print_comparison
+from primitives import Primitive
+from sim import Body, Recording
 from specs import BoundTask
 
 FEWEST_ROWS = 2  # of a recording that is worth keeping: fewer are no movement
@@ -39,13 +51,6 @@ def perform(
         Stopped: before anything was recorded.
         OutputError, RecordingError: a file cannot be written.
     """
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-    )
     part = folder / "recording.npz.part"
     recordings: tuple[Recording, ...] = ()
     stopped: Stopped | None = None
@@ -54,7 +59,7 @@ def perform(
     try:
         made = prepare_folder(folder)
         ours = not part.exists()
-        with Progress(*columns, console=console, transient=True) as bar:
+        with Progress(*_columns(), console=console, transient=True) as bar:
             shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
 
             def moving(share: float, subtask: str) -> None:
@@ -79,3 +84,49 @@ def perform(
                 part.unlink(missing_ok=True)
             remove_folders(made)
     return results, stopped
+
+
+def perform_comparison(
+    task: str,
+    body: Body,
+    folder: Path,
+    *,
+    dancers: Sequence[str],
+    human: Human | None,
+    quick: bool,
+    seed: int,
+    primitives: Sequence[type[Primitive]] = (),
+) -> None:
+    """Compare controllers and write the report, with a bar and a table: see `compare_and_write`.
+
+    Raises:
+        InputError, OutputError, SimError, SpecError, Stopped: see `compare_and_write`; a folder
+            that was made is gone again.
+    """
+    console = Console()
+    made = prepare_folder(folder)
+    done = False
+    try:
+        with Progress(*_columns(), console=console, transient=True) as bar:
+            shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
+            comparison, written = compare_and_write(
+                task, body, folder, dancers=dancers, human=human, quick=quick, seed=seed,
+                primitives=primitives,
+                progress=lambda what, share: bar.update(shown, completed=share, description=what),
+            )  # fmt: skip
+        done = True
+    finally:
+        if not done:
+            remove_folders(made)
+    print_comparison(console, comparison, written)
+
+
+def _columns() -> tuple[ProgressColumn, ...]:
+    """What a bar shows."""
+    return (
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+    )

@@ -1,9 +1,11 @@
-"""A judgement in the terminal."""
+"""Judgements and comparisons in the terminal."""
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from adonis.comparing import Comparison
+from adonis.comparison_report import Written, failures, summary
 from adonis.judging import Judgement
 
 
@@ -63,3 +65,22 @@ def _verdict(judgement: Judgement) -> str:
 
 def _why(outcome: str) -> str:
     return "failed" if outcome == "done" else outcome
+
+
+def print_comparison(console: Console, comparison: Comparison, written: Written) -> None:
+    """Who succeeded and at what cost, what became of the paper's claims, and where it all is."""
+    heads, rows = summary(comparison)
+    table = Table("", *(name for name, _ in rows), title=escape(comparison.title))
+    for k, head in enumerate(heads):
+        table.add_row(escape(head), *(row[k] for _, row in rows))
+    console.print(table)
+    for said in failures(comparison):
+        console.print(f"[yellow]{escape(said)}[/yellow]", soft_wrap=True)
+    if written.claims:
+        verdicts = [claim.verdict for claim in written.claims]
+        counted = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
+        console.print(f"The paper's claims: {counted}.", soft_wrap=True)
+    for notice in written.notices:
+        console.print(f"[yellow]{escape(notice)}[/yellow]", soft_wrap=True)
+    report = written.folder / "report.html"
+    console.print(f"The report is [bold]{escape(str(report))}[/bold].", soft_wrap=True)

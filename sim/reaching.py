@@ -100,7 +100,6 @@ class _Solver:
                     pairs,
                     minimum_distance_from_collisions=ROOM,
                     collision_detection_distance=0.1,
-                    bound_relaxation=1e-3,
                 )
             )
         self._home = body.home
