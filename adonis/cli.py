@@ -211,34 +211,15 @@ def graph(
 def list_all(primitives: PrimitivesOption = None) -> None:
     """List the tasks of the library, the bodies and the primitives."""
     from rich.console import Console
-    from rich.table import Table
 
-    from sim import BODIES, load_body
-    from specs import SpecError, available_primitives, library, load_task
+    from adonis.catalogue import print_catalogue
+    from specs import SpecError, available_primitives
 
-    console = Console()
-    table = Table("task", "what it is", "sub-tasks", title="Tasks", title_justify="left")
-    for name in library():
-        spec, _ = load_task(name)
-        table.add_row(name, spec.title, str(len(spec.subtasks)))
-    console.print(table)
-    table = Table("body", "limbs", "landmarks", title="Bodies", title_justify="left")
-    for name in BODIES:
-        names = load_body(name).map
-        table.add_row(name, "\n".join(names.limbs), ", ".join(sorted(names.landmarks)))
-    console.print(table)
-    table = Table(
-        "primitive", "what it does", "parameters", title="Primitives", title_justify="left"
-    )
     try:
         kinds = available_primitives(_classes(primitives))
     except SpecError as problem:
         _refuse(problem)
-    for name, cls in kinds.items():
-        said = (cls.__doc__ or "").strip().splitlines()
-        parameters = ", ".join(k for k in cls.model_fields if k != "kind")
-        table.add_row(name, said[0] if said else "", parameters)
-    console.print(table)
+    print_catalogue(Console(), kinds)
 
 
 @app.command()

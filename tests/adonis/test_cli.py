@@ -380,6 +380,53 @@ def test_a_text_that_cannot_be_written_is_one_error(tmp_path: Path) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == ["afile", "folder"]
 
 
+SHORT = """task: short
+subtasks:
+  - {name: out, primitive: get-posture, limb: right_arm, posture: {arm: forward, palm: down}}
+"""
+
+
+def test_compare_writes_a_report(tmp_path: Path) -> None:
+    (tmp_path / "short.yaml").write_text(SHORT)
+    ended = adonis(
+        "compare", "short.yaml", "--controllers", "pd-servo,torque-field", "--quick", "--out", "c",
+        cwd=tmp_path, MUJOCO_GL="nothing",
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    assert "report.html" in ended.stdout
+    assert "no pictures" in ended.stdout
+    names = {path.name for path in (tmp_path / "c").iterdir()}
+    assert {"report.html", "measures.csv", "comparison.json", "recording_pd-servo.npz"} <= names
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--controllers", "pd-servo,magic"), "unknown controller 'magic'"),
+        (("--human", "none.csv"), "none.csv: No such file"),
+        (("--body", "nobody"), "unknown body"),
+    ],
+)
+def test_a_comparison_that_makes_no_sense_leaves_nothing(tmp_path, options, said) -> None:
+    (tmp_path / "short.yaml").write_text(SHORT)
+    ended = adonis("compare", "short.yaml", "--quick", "--out", "c", *options, cwd=tmp_path)
+    assert ended.returncode == 2
+    assert said in ended.stderr
+    assert len(ended.stderr.splitlines()) == 1
+    assert not (tmp_path / "c").exists()
+
+
+def test_run_takes_another_controller(tmp_path: Path) -> None:
+    (tmp_path / "short.yaml").write_text(SHORT)
+    ended = adonis("run", "short.yaml", "--controller", "torque-field", "--out", "r", cwd=tmp_path)
+    assert ended.returncode in (0, 1), ended.stderr
+    report = json.loads((tmp_path / "r" / "report.json").read_text())
+    assert report["subtasks"][0]["controller"] == "torque-field"
+    refused = adonis("run", "short.yaml", "--controller", "magic", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "unknown controller 'magic'" in refused.stderr
+
+
 @pytest.mark.parametrize(
     ("style", "said"), [("mermaid", "flowchart TD"), ("dot", "digraph"), ("json", '"edges"')]
 )

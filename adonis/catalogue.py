@@ -1,0 +1,32 @@
+"""What there is to use: `adonis list`."""
+
+from collections.abc import Mapping
+
+from rich.console import Console
+from rich.table import Table
+
+from primitives import Primitive
+from sim import BODIES, load_body
+from specs import library, load_task
+
+
+def print_catalogue(console: Console, kinds: Mapping[str, type[Primitive]]) -> None:
+    """The tasks of the library, the bodies with their landmarks, and the primitives."""
+    table = Table("task", "what it is", "sub-tasks", title="Tasks", title_justify="left")
+    for name in library():
+        spec, _ = load_task(name)
+        table.add_row(name, spec.title, str(len(spec.subtasks)))
+    console.print(table)
+    table = Table("body", "limbs", "landmarks", title="Bodies", title_justify="left")
+    for name in BODIES:
+        names = load_body(name).map
+        table.add_row(name, "\n".join(names.limbs), ", ".join(sorted(names.landmarks)))
+    console.print(table)
+    table = Table(
+        "primitive", "what it does", "parameters", title="Primitives", title_justify="left"
+    )
+    for name, cls in kinds.items():
+        said = (cls.__doc__ or "").strip().splitlines()
+        parameters = ", ".join(k for k in cls.model_fields if k != "kind")
+        table.add_row(name, said[0] if said else "", parameters)
+    console.print(table)
