@@ -304,10 +304,10 @@ def compare(
 
     [dim]adonis compare macarena[/dim]
     """
-    from adonis.comparing import DANCERS
+    from adonis.comparison.comparing import DANCERS
+    from adonis.comparison.human import known_human, load_human
     from adonis.dancing import Stopped
     from adonis.errors import InputError, OutputError
-    from adonis.human import known_human, load_human
     from adonis.performing import perform_comparison
     from sim import SimError, load_body
     from specs import SpecError

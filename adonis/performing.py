@@ -13,9 +13,9 @@ from rich.progress import (
     TimeElapsedColumn,
 )
 
-from adonis.comparison_report import compare_and_write
+from adonis.comparison.human import Human
+from adonis.comparison.report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
-from adonis.human import Human
 from adonis.reporting import Results, prepare_folder, remove_folders, write_results
 from adonis.showing import print_comparison
 from primitives import Primitive

@@ -4,8 +4,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from adonis.comparing import Comparison
-from adonis.comparison_report import Written, failures, summary
+from adonis.comparison.comparing import Comparison
+from adonis.comparison.report import Written, failures, summary
 from adonis.judging import Judgement
 
 

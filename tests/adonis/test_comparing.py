@@ -9,11 +9,19 @@ import numpy as np
 import pytest
 
 from adonis import measures
-from adonis.claims import CLAIMS, OPEN, Extras, can_claim, claims, correlations, near_human
-from adonis.comparing import DANCERS, Comparison, compare, count_numbers
-from adonis.comparison_report import write_comparison
+from adonis.comparison.claims import (
+    CLAIMS,
+    OPEN,
+    Extras,
+    can_claim,
+    claims,
+    correlations,
+    near_human,
+)
+from adonis.comparison.comparing import DANCERS, Comparison, compare, count_numbers
+from adonis.comparison.human import known_human, load_human
+from adonis.comparison.report import write_comparison
 from adonis.errors import InputError
-from adonis.human import known_human, load_human
 from sim import Body
 from specs import load_task, load_variant, task_from_text, with_controller
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adonis.superposition import (
+from adonis.comparison.superposition import (
     Choice,
     Superposition,
     System,
@@ -20,7 +20,7 @@ from adonis.superposition import (
     systems,
     time_courses,
 )
-from adonis.superposition_figure import draw_superposition
+from adonis.comparison.superposition_figure import draw_superposition
 from sim import BodyError, World, inverse_dynamics, planar_arm, site_paths
 
 ONE = np.ones(1, dtype=bool)

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from adonis.superposition import Choice, Row, Run
+from adonis.comparison.superposition import Choice, Row, Run
 from primitives.primitive import FloatArray
 
 COLORS = ("#1a8c6b", "#d1542a", "#28649e")

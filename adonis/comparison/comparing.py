@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from adonis import measures
 from adonis.bench import against_physics
+from adonis.comparison.human import Human
 from adonis.dancing import run_task
 from adonis.errors import InputError
-from adonis.human import Human
 from adonis.judging import Judgement, judge
 from adonis.reporting import clearance
 from primitives import Field, Primitive

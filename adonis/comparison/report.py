@@ -12,7 +12,7 @@ from typing import Any
 import jinja2
 import numpy as np
 
-from adonis.claims import (
+from adonis.comparison.claims import (
     Claim,
     Extras,
     can_claim,
@@ -21,13 +21,13 @@ from adonis.claims import (
     measure_extras,
     near_human,
 )
-from adonis.comparing import Comparison, Dancer, Move, compare
-from adonis.comparison_figures import Drawn, draw_all, draw_pictures
+from adonis.comparison.comparing import Comparison, Dancer, Move, compare
+from adonis.comparison.figures import Drawn, draw_all, draw_pictures
+from adonis.comparison.human import Human
+from adonis.comparison.superposition import as_table, star, study
+from adonis.comparison.superposition_figure import draw_superposition
 from adonis.dancing import versions
-from adonis.human import Human
 from adonis.reporting import prepare_folder, write_text
-from adonis.superposition import as_table, star, study
-from adonis.superposition_figure import draw_superposition
 from primitives import Primitive
 from sim import Body, NoDisplay
 

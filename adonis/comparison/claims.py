@@ -16,7 +16,7 @@ from scipy.signal import find_peaks
 from scipy.stats import spearmanr
 
 from adonis.bench import controller_costs, ik_cost
-from adonis.comparing import COMBINED, Comparison, Dancer, dance
+from adonis.comparison.comparing import COMBINED, Comparison, Dancer, dance
 from sim import Body
 from specs import load_task
 

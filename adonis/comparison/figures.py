@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from adonis.comparing import COMBINED, Comparison
+from adonis.comparison.comparing import COMBINED, Comparison
 from adonis.reporting import filmstrip_frames
 from primitives import GetPosture
 from sim import Body, Frame, World, render_filmstrip
