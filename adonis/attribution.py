@@ -34,6 +34,7 @@ FIGHT = 0.5  # conflict on one joint from which two fight: the weaker has a thir
 STRENGTH = 0.05  # and both pull with more than this share of the joint's limit
 LASTING = 0.5  # a fight that is longer is worth a warning [s]
 BREATH = 0.02  # a fight that pauses for no longer goes on [s]
+VARIED = 0.1  # deviation of the weight, of its RMS, from which a multiple of it is no accident
 CARRIES = 0.01  # residual up to which torques are a multiple of those that carry the weight
 
 
@@ -215,7 +216,8 @@ def pulls(asked: FloatArray, weight: FloatArray) -> tuple[FloatArray, BoolArray]
 
     A primitive carries weight if over the whole run its torques are, within 1 %, one and the
     same positive multiple k of those that hold the body up, on the joints where it is on:
-    compensate-gravity does, of any body map, and so does whatever else feeds the weight forward.
+    compensate-gravity does, and so does whatever else feeds the weight forward. Where the weight
+    is the same all the time, as on one joint at rest, a constant torque proves nothing and pulls.
     Such a torque answers the weight and no other primitive. If the carriers of a joint carry
     K > 1 times the weight between them, the part 1 - 1/K of each is one too many, and pulls.
 
@@ -231,9 +233,11 @@ def pulls(asked: FloatArray, weight: FloatArray) -> tuple[FloatArray, BoolArray]
     multiple = np.zeros(count)
     for p in range(count):
         own = asked[:, p].astype(float)
-        there = np.where(own != 0.0, weight, 0.0)
-        energy = float((there**2).sum())
-        k = float((own * there).sum()) / energy if energy else 0.0
+        own, there = own[own != 0.0], weight[own != 0.0]
+        energy = float(there @ there)
+        if energy == 0.0 or np.var(there) * len(there) <= VARIED**2 * energy:
+            continue
+        k = float(own @ there) / energy
         if k > 0.0 and np.linalg.norm(own - k * there) <= CARRIES * np.linalg.norm(own):
             multiple[p] = k
     carried = np.einsum("p,tpj->tj", multiple, asked != 0.0)
