@@ -3,12 +3,12 @@
 import json
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from typer.testing import CliRunner
 
 from adonis.attribution import (
     Attribution,
@@ -19,13 +19,11 @@ from adonis.attribution import (
     pulls,
     shares,
 )
-from adonis.dancing import run_task
+from adonis.cli import app
 from adonis.judging import HAND_OVER_STEP
-from adonis.reporting import write_results
 from adonis.transitions import transitions
-from primitives import Primitive
-from sim import Replay, Span, load_body
-from specs import bind_task, task_from_text
+from sim import Recording, Replay, Span
+from specs import task_from_text
 
 ELBOW, WRIST = 9, 12  # of the right arm
 NV = 20
@@ -255,6 +253,12 @@ def test_a_hand_over_without_a_fade_is_seen(dance) -> None:
 # --- two that fight on purpose ---------------------------------------------------------------
 
 
+BEND = '''
+from typing import Literal
+import numpy as np
+from primitives import Primitive
+
+
 class Bend(Primitive):
     """A constant torque on the right elbow."""
 
@@ -263,10 +267,9 @@ class Bend(Primitive):
 
     def torque(self, state, t):
         torque = np.zeros_like(state.qvel)
-        torque[:, ELBOW] = self.torque_of_elbow
+        torque[:, 9] = self.torque_of_elbow
         return torque
-
-
+'''
 QUARREL = """
 task: quarrel
 background:
@@ -275,18 +278,22 @@ background:
   - {name: triceps, primitive: bend, torque_of_elbow: -11}
   - {name: posture, primitive: get-posture, joints: [all], posture: rest}
 subtasks: [{name: left, primitive: get-posture, limb: left_arm, posture: rest, seconds: 0.7}]
-coda: 0
+coda: 0.3
 """
 
 
 def test_two_that_fight_on_purpose_are_warned_of(tmp_path) -> None:
-    spec, document = task_from_text(QUARREL, primitives=[Bend])
-    (recording,) = run_task(bind_task(spec, load_body("adonis"), document))
-    results = write_results(recording, spec, tmp_path)
-    (warning,) = (n for n in results.notices if "fight" in n)
-    assert warning.startswith("biceps and triceps fight over right_elbow from 0.00 to 0.70 s: 96 %")
+    (tmp_path / "bend.py").write_text(BEND)
+    (tmp_path / "quarrel.yaml").write_text(QUARREL)
+    files = [f"{tmp_path}/quarrel.yaml", "--primitives", f"{tmp_path}/bend.py"]
+    said = CliRunner().invoke(app, ["run", *files, "--out", str(tmp_path)])
+    assert said.exit_code == 0, said.output
+    warning = "biceps and triceps fight over right_elbow from 0.00 to 1.00 s: 96 % of their torque"
+    assert said.output.count(" fight over ") == 1
+    assert warning in said.output
+    recording = Recording.load(tmp_path)
     report = json.loads((tmp_path / "report.json").read_text())
-    assert report["warnings"] == [warning]
+    assert report["warnings"] == [f"{warning} cancels"]
     (pair,) = (p for p in report["attribution"]["pairs"] if p["between"] == ["biceps", "triceps"])
     assert pair["conflict"] == pytest.approx(22.0 / 23.0)
     assert pair["longest_fight"]["joint"] == "right_elbow"
