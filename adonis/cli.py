@@ -132,7 +132,7 @@ def run(
         _refuse(problem)
     print_results(console, results.judgement, spec.title or spec.task)
     for notice in results.notices:
-        console.print(f"[yellow]{escape(notice)}[/yellow]")
+        console.print(f"[yellow]{escape(notice)}[/yellow]", soft_wrap=True)
     written = ", ".join(path.name for path in results.files.values())
     console.print(f"Results are in [bold]{escape(str(folder))}[/bold]: {written}", soft_wrap=True)
     if stopped is not None:

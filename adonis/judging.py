@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from primitives import GetPosture, GoToPoint, Place
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
-from specs import SubTask, TaskSpec, task_from_text
+from specs import Background, SubTask, TaskSpec, task_from_text
 
 FloatArray = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ class Verdict:
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         does, worst = self.subtask.does, self.worst
-        limb = ", ".join(_claimed(self.subtask))
+        limb = ", ".join(claimed(self.subtask))
         return {
             "name": self.subtask.name,
             "words": self.subtask.words,
@@ -136,6 +136,18 @@ def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
             measures = tuple(measuring.subtask(subtask, span, task, spans))
         verdicts.append(Verdict(subtask, span, measures))
     return Judgement(tuple(verdicts), tuple(measuring.checks(task, spans)), recording.complete)
+
+
+def torque_steps(recording: Recording, limits: FloatArray) -> FloatArray:
+    """Change of each torque from row to row (T - 1, nv), as a share of its limit in 2 ms."""
+    pace = 0.002 / recording.timestep
+    steps: FloatArray = np.abs(np.diff(recording.torque, axis=0)) / limits * pace
+    return steps
+
+
+def hand_over_rows(recording: Recording, span: Span, fade: float) -> slice:
+    """The torque steps that belong to the hand-over [s] to a sub-task that began."""
+    return slice(max(recording.row(span.start) - 1, 0), recording.row(span.start + fade) + 1)
 
 
 class _Measuring:
@@ -270,7 +282,7 @@ class _Measuring:
             ),
             self._hand_over(task, spans, limits),
         ]
-        moved = {j for s in task.subtasks for j in self._joints(_claimed(s))}
+        moved = {j for s in task.subtasks for j in self._joints(claimed(s))}
         still = [j for group in self.names.upright for j in self.names.groups[group]]
         home = self.names.postures[self.names.home]
         off = {
@@ -286,19 +298,16 @@ class _Measuring:
     def _hand_over(self, task: TaskSpec, spans: dict[str, Span], limits: FloatArray) -> Measure:
         """Largest torque step in 2 ms, of the joints that are being handed over."""
         recording = self.recording
-        pace = 0.002 / recording.timestep
-        steps = np.abs(np.diff(recording.torque, axis=0)) / limits * pace
+        steps = torque_steps(recording, limits)
         worst = Measure("hand-over torque step", 0.0, HAND_OVER_STEP, "of the limit in 2 ms")
         for subtask in task.subtasks:
             span = spans.get(subtask.name)
             if span is None or not np.isfinite(span.start):
                 continue
-            dofs = [self.replay.dof(j) for j in self._joints(_claimed(subtask))]
-            first = max(recording.row(span.start) - 1, 0)
-            last = recording.row(span.start + task.fade(subtask)) + 1
-            if not dofs or last <= first:
+            dofs = [self.replay.dof(j) for j in self._joints(claimed(subtask))]
+            window = steps[hand_over_rows(recording, span, task.fade(subtask)), dofs]
+            if window.size == 0:
                 continue
-            window = steps[first:last, dofs]
             row, column = np.unravel_index(np.argmax(window), window.shape)
             if window[row, column] > worst.value:
                 where = f"{self.replay.joint_of_dof(dofs[column])}, to {subtask.name}"
@@ -332,17 +341,17 @@ class _Measuring:
 
     def _claimed_again(self, subtask: SubTask, task: TaskSpec, spans: dict[str, Span]) -> float:
         """When the next sub-task that claims a joint of this one began, or infinity [s]."""
-        own, start = self._joints(_claimed(subtask)), spans[subtask.name].start
+        own, start = self._joints(claimed(subtask)), spans[subtask.name].start
         later = [
             spans[s.name].start
             for s in task.subtasks
-            if s.name in spans and spans[s.name].start > start and own & self._joints(_claimed(s))
+            if s.name in spans and spans[s.name].start > start and own & self._joints(claimed(s))
         ]
         return min(later, default=np.inf)
 
 
-def _claimed(subtask: SubTask) -> Sequence[str]:
-    """The parts of the body that a sub-task moves, as its task file names them.
+def claimed(subtask: Background | SubTask) -> Sequence[str]:
+    """The parts of the body that an entry of a task moves, as its task file names them.
 
     A primitive of the user's own may mean something else by those parameters.
     """

@@ -10,9 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from adonis.attribution import Attribution, attribute
+from adonis.attribution_figure import plot_attribution
 from adonis.errors import OutputError
-from adonis.judging import Judgement, judge
+from adonis.judging import Judgement, judge, torque_steps
 from adonis.plotting import plot_hand_speed, plot_torque
+from adonis.transitions import transitions
 from primitives import GoToPoint
 from sim import (
     BodyMap,
@@ -29,7 +32,10 @@ from specs import TaskSpec
 
 @dataclass(frozen=True)
 class Results:
-    """The files of a run, by what they are, and notices about those that could not be made."""
+    """The files of a run, by what they are.
+
+    Notices say which primitives fought, and which files could not be made.
+    """
 
     folder: Path
     judgement: Judgement
@@ -119,16 +125,20 @@ def write_results(
     write_text(files["task"], str(recording.about["task"]))
     tell("judging")
     judgement = judge(recording, spec)
-    report = report_of(recording, spec, judgement)
+    replay = Replay(recording)
+    found = attribute(recording, replay)
+    report = report_of(recording, spec, judgement, replay, found)
     write_text(files["report"], json.dumps(report, indent=2, ensure_ascii=False) + "\n")
     tell("plots")
     names = BodyMap.model_validate(recording.about["body_map"])
-    replay = Replay(recording)
     files["hand speed"] = folder / "hand_speed.png"
     plot_hand_speed(recording, replay, names, files["hand speed"])
     files["torque"] = folder / "torque.png"
     plot_torque(recording, replay, names, files["torque"])
-    notices: list[str] = []
+    if found.primitives:
+        files["attribution"] = folder / "attribution.png"
+        plot_attribution(recording, replay, names, found, files["attribution"])
+    notices = list(found.warnings)
     palms = [limb.palm for limb in names.limbs.values()]
     try:
         tell("filmstrip")
@@ -144,7 +154,13 @@ def write_results(
     return Results(folder, judgement, files, tuple(notices))
 
 
-def report_of(recording: Recording, spec: TaskSpec, judgement: Judgement) -> dict[str, Any]:
+def report_of(
+    recording: Recording,
+    spec: TaskSpec,
+    judgement: Judgement,
+    replay: Replay,
+    found: Attribution,
+) -> dict[str, Any]:
     """The report as plain data; times in seconds of the recording."""
     about = recording.about
     checks = {c.what: c for c in judgement.checks}
@@ -169,6 +185,9 @@ def report_of(recording: Recording, spec: TaskSpec, judgement: Judgement) -> dic
         "largest_torque_step": _largest_step(recording),
         "peak_torque_share": checks["peak torque"].value,
         "torque_saturation": saturation(recording),
+        "warnings": list(found.warnings),
+        "transitions": [t.as_dict() for t in transitions(recording, spec, replay)],
+        "attribution": found.as_dict(),
         "versions": about["versions"],
     }
 
@@ -227,8 +246,7 @@ def _draft(path: Path) -> Path:
 def _largest_step(recording: Recording) -> float:
     """Largest change of a torque in 2 ms at any time, as a share of its limit."""
     limits = Replay(recording).torque_limits()
-    steps = np.abs(np.diff(recording.torque, axis=0)) / limits
-    return float(np.nanmax(steps) * 0.002 / recording.timestep)
+    return float(np.nanmax(torque_steps(recording, limits)))
 
 
 def saturation(recording: Recording) -> float:

@@ -81,15 +81,29 @@ class Replay:
         jacobian, mass = np.zeros((3, model.nv)), np.zeros((model.nv, model.nv))
         forces = np.zeros((len(range(*rows.indices(len(self.recording.time)))), 3))
         for k, row in enumerate(range(*rows.indices(len(self.recording.time)))):
-            data.qpos[:], data.qvel[:] = self.recording.qpos[row], 0.0
-            mujoco.mj_fwdPosition(model, data)
-            mujoco.mj_fwdVelocity(model, data)  # at rest the bias is gravity alone
+            self._rest(row)  # at rest the bias is gravity alone
             mujoco.mj_jacSite(model, data, jacobian, None, index)
             mujoco.mj_fullM(model, data, mass)
             driven = self.recording.torque[row] - data.qfrc_bias
             solved = np.linalg.solve(mass, np.column_stack([jacobian.T, driven]))
             forces[k] = np.linalg.solve(jacobian @ solved[:, :3], jacobian @ solved[:, 3])
         return forces
+
+    def weight(self) -> FloatArray:
+        """Torques that would hold the body up against its weight, row by row (T, nv) [N m]."""
+        held = np.zeros_like(self.recording.qvel)
+        for row in range(len(held)):
+            self._rest(row)
+            held[row] = self._data.qfrc_bias  # at rest the bias is gravity alone
+        return held
+
+    def mobility(self, row: int) -> FloatArray:
+        """Inverse of the inertia matrix in one row (nv, nv): acceleration for each torque."""
+        mass = np.zeros((self.model.nv, self.model.nv))
+        self._rest(row)
+        mujoco.mj_fullM(self.model, self._data, mass)
+        inverse: FloatArray = np.linalg.inv(mass)
+        return inverse
 
     def angle(self, joint: str) -> FloatArray:
         """Angle of a hinge (T,) [rad]."""
@@ -168,6 +182,12 @@ class Replay:
     def _set(self, k: int) -> None:
         self._data.qpos[:] = self.recording.qpos[k]
         mujoco.mj_kinematics(self.model, self._data)
+
+    def _rest(self, k: int) -> None:
+        """Row k, as if nothing moved."""
+        self._data.qpos[:], self._data.qvel[:] = self.recording.qpos[k], 0.0
+        mujoco.mj_fwdPosition(self.model, self._data)
+        mujoco.mj_fwdVelocity(self.model, self._data)
 
     def _geoms(self, link: str) -> Sequence[int]:
         body = self._id(mujoco.mjtObj.mjOBJ_BODY, "link", link)

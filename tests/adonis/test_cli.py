@@ -98,7 +98,8 @@ def test_without_opengl_a_run_loses_its_pictures_and_nothing_else(tmp_path: Path
     assert "Traceback" not in ended.stdout + ended.stderr
     made = {p.name for p in (tmp_path / "runs" / "wave").iterdir()}
     assert made == {
-        "recording.npz", "model.xml", "task.yaml", "report.json", "hand_speed.png", "torque.png"
+        "recording.npz", "model.xml", "task.yaml", "report.json", "hand_speed.png", "torque.png",
+        "attribution.png",
     }  # fmt: skip
 
 
