@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from arbiter.combination import Combination
 from arbiter.errors import ArbiterError
 from arbiter.kernel import ACT, WALK, control
 from arbiter.plan import DONE, LOG, SLOT, TIMED_OUT, Plan, make_plan
@@ -68,16 +69,27 @@ class Arbiter:
         self._memory = np.zeros((n, channels + 1, memory_size(body.nv)))
         self._plain_torque = np.zeros((n, len(self._plain), body.nv))
         self._plain_error = np.zeros((n, len(self._plain)))
-        kept = (n, channels) if contributions else (0, 0)
+        grouped = bool(task.spec.groups)
+        kept = (n, channels) if contributions or grouped else (0, 0)
         self._contribution = np.zeros((*kept, body.nv))
+        self._activation = np.zeros((*(kept if grouped else (0, 0)), body.nv))
+        self._combination = Combination(task, self.names, n) if grouped else None
+        self._who = np.full(kept, -1, dtype=np.int32)
         self._torque = np.zeros((n, body.nv))
-        gives_way = np.array([len(f.claims) > 0 for f in task.background], dtype=np.bool_)
+        gives_way = np.array(
+            [
+                len(field.claims) > 0 and entry.name not in task.grouped
+                for entry, field in zip(task.spec.background, task.background, strict=True)
+            ],
+            dtype=np.bool_,
+        )
         touches = np.zeros((n, slots + 1), dtype=TOUCH)
         parts = Parts(
             *(link_table(body), dof_table(body), *table),
             *(gives_way, self.plan.nodes, self.plan.successors, self.plan.roots),
             *(self._live, self._slots, self._log, self._memory, touches),
-            *(self._plain_torque, self._plain_error, self._contribution, self._torque),
+            *(self._plain_torque, self._plain_error, self._contribution, self._activation),
+            self._torque,
             np.linspace(0, n, self._shares + 1).astype(np.int64),
             np.zeros((self._shares, channels + 1, body.nv)),
             np.zeros((self._shares, channels, body.nv)),
@@ -94,6 +106,8 @@ class Arbiter:
         fresh = np.zeros(len(self.task.fields), dtype=LOG)
         fresh["start"], fresh["waits"] = -np.inf, self.plan.waits
         self._log[rows] = fresh
+        if self._combination is not None:
+            self._combination.reset(rows)
 
     def torque(self, state: State) -> FloatArray:
         """The torques (n, nv) [N m] that the task asks for now, within the motors' limits.
@@ -113,6 +127,8 @@ class Arbiter:
             bad = self._control(WALK | ACT, arrays)
         if bad >= 0:
             raise self._not_finite(state, bad)
+        if self._combination is not None:
+            self._combine(self._combination, state)
         return self._torque
 
     # --- what happened --------------------------------------------------------------------
@@ -156,6 +172,13 @@ class Arbiter:
         """Whether every sub-task is over, (n,)."""
         done: NDArray[np.bool_] = np.all(self._log["outcome"] >= DONE, axis=1)
         return done
+
+    def _combine(self, combination: Combination, state: State) -> None:
+        """Replace the sum by what the groups make of it, within the motors' limits."""
+        self.channels(self._who)
+        combination.apply(state, self._contribution, self._activation, self._who, self._torque)
+        limit = self.task.body.torque_limit
+        np.clip(self._torque, -limit, limit, out=self._torque)
 
     # --- inside ---------------------------------------------------------------------------
 

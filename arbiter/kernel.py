@@ -152,6 +152,8 @@ def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) ->
     sum_torques(asked, backgrounds + live, torque)
     if p.contribution.shape[0] > 0:
         keep(asked, backgrounds + live, p.contribution[i])
+    if p.activation.shape[0] > 0:
+        keep(weight, backgrounds + live, p.activation[i])
     return limit_torques(p.dofs, torque)
 
 
@@ -187,8 +189,8 @@ def _make(code: str) -> Callable[..., int]:
             r.links, r.dofs, r.fields, r.claims, r.numbers, r.reaches, r.points, r.guards,
             r.guarded, r.pairs, r.capsules, r.gives_way, r.nodes, r.successors, r.roots,
             r.live, r.slots, r.log, r.memory, r.touches, r.plain, r.plain_error,
-            r.contribution, r.torque, r.shares, r.weight, r.asked, r.knot_weight, r.knot_rate,
-            r.angles, r.balls, r.wrenches, r.placed,
+            r.contribution, r.activation, r.torque, r.shares, r.weight, r.asked,
+            r.knot_weight, r.knot_rate, r.angles, r.balls, r.wrenches, r.placed,
         )  # fmt: skip
         return control_share(what, share, time, qpos, qvel, xpos, xmat, cdof, cvel, com, parts)
 

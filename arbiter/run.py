@@ -41,6 +41,7 @@ class Parts(NamedTuple):
     plain: Records  # (n, plain fields, nv) torques of primitives in plain Python [N m]
     plain_error: Records  # (n, plain fields)
     contribution: Records  # (n, fields on, nv) if they are kept, else (0, 0, nv) [N m]
+    activation: Records  # the same, what each is worth on each joint
     torque: Records  # (n, nv) [N m]
     # How the simulations are shared out over threads, and room for each share to work in.
     shares: Records  # (shares + 1,) where each begins

@@ -328,6 +328,30 @@ class Body:
         mujoco.mj_kinematics(self.model, data)
         return data
 
+    def inertia(self, packed: FloatArray) -> FloatArray:
+        """Joint-space inertia (n, nv, nv) [kg m^2] of `State.M` (n, nM)."""
+        rows, columns = self._inertia_pattern
+        whole = np.zeros((len(packed), self.nv, self.nv))
+        whole[:, rows, columns] = packed
+        whole[:, columns, rows] = packed
+        return whole
+
+    @cached_property
+    def _inertia_pattern(self) -> tuple[IntArray, IntArray]:
+        """Row and column of each packed element: the lower triangle, row by row."""
+        rows = np.repeat(np.arange(self.nv), self.model.M_rownnz)
+        return rows.astype(np.int32), np.array(self.model.M_colind, dtype=np.int32)
+
+    @cached_property
+    def ancestors(self) -> NDArray[np.bool_]:
+        """Whether a degree of freedom moves a link, (nbody, nv)."""
+        moves = np.zeros((self.model.nbody, self.nv), dtype=bool)
+        for link in range(1, self.model.nbody):
+            moves[link] = moves[self.model.body_parentid[link]]
+            first = self.model.body_dofadr[link]
+            moves[link, first : first + self.model.body_dofnum[link]] = True
+        return moves
+
     def capsules(self, links: Iterable[str]) -> Capsules:
         """The colliding geoms of some links, sorted by link.
 

@@ -1,7 +1,7 @@
 """What a controller may see: live views of the simulations, one row each."""
 
 from dataclasses import dataclass, fields
-from typing import Self
+from typing import Any, Self
 
 import mujoco
 import numpy as np
@@ -27,6 +27,7 @@ class State:
     cvel: FloatArray  # (n, nbody, 6) velocities of the links, likewise
     subtree_com: FloatArray  # (n, nbody, 3) centre of mass of each link and all it carries
     qfrc_bias: FloatArray  # (n, nv) gravity and Coriolis torques [N m]
+    M: FloatArray | None = None  # (n, nM) joint-space inertia, packed; see `Body.inertia`
 
     @property
     def n(self) -> int:
@@ -36,7 +37,8 @@ class State:
     def of_one(self, simulation: int) -> Self:
         """The state of one of the simulations, as n = 1."""
         own = slice(simulation, simulation + 1)
-        return type(self)(*(getattr(self, field.name)[own] for field in fields(self)))
+        arrays: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
+        return type(self)(**{k: None if a is None else a[own] for k, a in arrays.items()})
 
     @classmethod
     def of(cls, data: mujoco.MjData) -> Self:
@@ -56,6 +58,7 @@ class State:
             cvel=read_only(data.cvel[None]),
             subtree_com=read_only(data.subtree_com[None]),
             qfrc_bias=read_only(data.qfrc_bias[None]),
+            M=read_only(data.M[None]),
         )
 
 

@@ -56,12 +56,22 @@ class World:
         body: what is simulated.
         n: how many simulations.
         threads: how many threads step them; the results do not depend on it.
+        pushes: forces from outside.
+        inertia: whether `state.M` is kept; strict priorities need it.
 
     Raises:
         BodyError: a push names a link that the body lacks.
     """
 
-    def __init__(self, body: Body, n: int = 1, *, threads: int = 1, pushes: Sequence[Push] = ()):
+    def __init__(
+        self,
+        body: Body,
+        n: int = 1,
+        *,
+        threads: int = 1,
+        pushes: Sequence[Push] = (),
+        inertia: bool = False,
+    ) -> None:
         if n < 1 or threads < 1:
             raise BodyError(f"a world needs n >= 1 and threads >= 1, not n={n}, threads={threads}")
         self.body = body
@@ -85,6 +95,7 @@ class World:
             cvel=read_only(batch.bind("cvel").view()),
             subtree_com=read_only(batch.bind("subtree_com").view()),
             qfrc_bias=read_only(batch.bind("qfrc_bias").view()),
+            M=read_only(batch.bind("M").view()) if inertia else None,
         )
         self.reset()
 

@@ -6,6 +6,7 @@ from specs.controllers import load_variant, with_controller, with_parameter
 from specs.doubting import doubts
 from specs.errors import Position, SpecError
 from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
+from specs.groups import Group
 from specs.loading import library, load_task, task_from_text
 from specs.reading import Document
 from specs.task import Background, SubTask, TaskSpec, with_tempo
@@ -15,6 +16,7 @@ __all__ = [
     "Background",
     "BoundTask",
     "Document",
+    "Group",
     "Position",
     "SpecError",
     "SubTask",

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from sim import Body, BodyError
 from specs.blame import told
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
+from specs.groups import check_groups
 from specs.reading import Document, Path_
 from specs.task import SubTask, TaskSpec
 
@@ -38,6 +40,16 @@ class BoundTask:
     def spec(self) -> TaskSpec:
         """The task as written."""
         return self.graph.spec
+
+    @cached_property
+    def grouped(self) -> frozenset[str]:
+        """Names that are in a group; in the background they do not give way, they co-act."""
+        return frozenset(member for group in self.spec.groups for member in group.members)
+
+    @property
+    def needs_inertia(self) -> bool:
+        """Whether a group has strict priorities, for which a state needs its inertia."""
+        return any(group.rule == "null-space" for group in self.spec.groups)
 
     @property
     def may_wait(self) -> bool:
@@ -76,6 +88,9 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     )
     _check_claims(graph, fields, body, document, places)
     _check_goals(graph, fields, document, places)
+    named = dict(zip((b.name for b in spec.background), background, strict=True))
+    named |= zip(graph.order, fields, strict=True)
+    check_groups(spec.groups, named, document)
     start = body.home.copy()
     if spec.start is not None:
         try:

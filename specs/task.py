@@ -6,8 +6,8 @@ from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validat
 
 from primitives import Primitive
 from specs.errors import SpecError
+from specs.groups import Group, Name
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 NonNegative = Annotated[float, Field(ge=0, le=1e6)]
 
@@ -66,6 +66,7 @@ class TaskSpec(BaseModel):
     hand_over: NonNegative = 0.1  # [s] cross-fade between sub-tasks that claim the same joints
     coda: NonNegative = 1.0  # beats for which the last goals are held
     background: tuple[Background, ...] = ()
+    groups: tuple[Group, ...] = ()  # what is combined by another rule than the sum
     subtasks: Annotated[tuple[SubTask, ...], Field(min_length=1)]
 
     def seconds(self, beats: float) -> float:

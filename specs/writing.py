@@ -13,10 +13,12 @@ def task_to_yaml(spec: TaskSpec) -> str:
     whole: dict[str, Any] = {
         key: getattr(spec, key)
         for key, field in TaskSpec.model_fields.items()
-        if key not in ("background", "subtasks") and getattr(spec, key) != field.default
+        if key not in ("background", "groups", "subtasks") and getattr(spec, key) != field.default
     }
     if spec.background:
         whole["background"] = [_step(b) for b in spec.background]
+    if spec.groups:
+        whole["groups"] = [g.model_dump(mode="json", exclude_defaults=True) for g in spec.groups]
     whole["subtasks"] = [_step(s) for s in spec.subtasks]
     yaml: Any = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None
