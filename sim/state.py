@@ -38,7 +38,8 @@ class State:
         """The state of one of the simulations, as n = 1."""
         own = slice(simulation, simulation + 1)
         arrays: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
-        return type(self)(**{k: None if a is None else a[own] for k, a in arrays.items()})
+        rows: dict[str, Any] = {k: None if a is None else a[own] for k, a in arrays.items()}
+        return type(self)(**rows)
 
     @classmethod
     def of(cls, data: mujoco.MjData) -> Self:
