@@ -16,7 +16,7 @@ SETTLING = 200.0
 
 @dataclass(frozen=True)
 class LimitCycle:
-    """One cycle, from where the output rises through zero."""
+    """One cycle, from where the first harmonic of its output rises through zero."""
 
     states: FloatArray  # (samples + 1, 4) at even times, the first again at the end
     pace: float  # f t1: the frequency times the time constant
@@ -26,7 +26,7 @@ class LimitCycle:
     turn: float  # by which v1 - v2 comes after x1 - x2 [rad]
 
     def at(self, phase: float) -> FloatArray:
-        """The states (4,) at a phase [rad]; the output is about sin(phase)."""
+        """The states (4,) at a phase [rad]; the output's first harmonic is sin(phase)."""
         share = (phase / (2.0 * np.pi)) % 1.0 * (len(self.states) - 1)
         rows = np.arange(len(self.states))
         return np.array([np.interp(share, rows, self.states[:, i]) for i in range(STATES)])
@@ -49,13 +49,18 @@ def limit_cycle() -> LimitCycle:
     share = output[rising] / (output[rising] - output[rising + 1])
     begin, end = rising + share  # in steps
     samples = 256
-    when = np.linspace(begin, end, samples + 1)
-    cycle = np.column_stack(
-        [np.interp(when, np.arange(len(way)), way[:, i]) for i in range(STATES)]
-    )
-    cycle[-1] = cycle[0]
-    last = output[rising[0] : rising[1] + 1]
     wave = np.exp(-2j * np.pi * np.arange(samples) / samples)
+
+    def cycle_from(first: float) -> FloatArray:
+        when = np.linspace(first, first + end - begin, samples + 1)
+        steps = np.arange(len(way))
+        return np.column_stack([np.interp(when, steps, way[:, i]) for i in range(STATES)])
+
+    last = output[rising[0] : rising[1] + 1]
+    share_of_last = np.linspace(begin, end, samples + 1)[:-1]
+    first_harmonic = np.mean(np.interp(share_of_last, np.arange(len(way)), output) * wave)
+    early = np.angle(1j * first_harmonic) / (2.0 * np.pi)  # its phase at the crossing, in cycles
+    cycle = cycle_from(begin - early * (end - begin))
     ahead, aside = (2.0 * np.mean((cycle[:-1, i] - cycle[:-1, i + 2]) * wave) for i in (0, 1))
     return LimitCycle(
         states=cycle,

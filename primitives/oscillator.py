@@ -42,7 +42,7 @@ REMEMBERS = 1 + STATES  # per joint: where it was, and its oscillator; before al
 
 BETA = GAMMA = 2.5
 RETURN = 0.5  # alpha of the Hopf oscillator, as a share of omega
-LONGEST = 1.0 / 40.0  # of the steps in which oscillators are integrated [cycles]
+LONGEST = 1.0 / 100.0  # of the steps in which oscillators are integrated [cycles]
 
 
 @compiled
