@@ -220,7 +220,8 @@ class RhythmField(CompiledField):
             cycle = limit_cycle()
             begin = amplitude / cycle.swing * cycle.at(-lag)
         gains = float(self._gains.stiffness[dof]), float(self._gains.damping[dof])
-        return [number, *gains, centre, amplitude, lag, *begin.tolist()]
+        turned = float(np.cos(lag)), float(np.sin(lag))
+        return [number, *gains, centre, amplitude, lag, *turned, *begin.tolist()]
 
 
 def _check_pace(frequency: float | None, beats_per_cycle: float | None) -> None:

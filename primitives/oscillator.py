@@ -35,7 +35,8 @@ KIND, HOLDS, FEEDBACK, COUPLING, JOINTS, STRETCHES, EASE_IN, EASE_OUT = range(8)
 PACE, SWING, AHEAD, ASIDE, TURN_COS, TURN_SIN = range(8, 14)  # of Matsuoka's: see `LimitCycle`
 HEAD = 14
 BEGINS, UNTIL, FREQUENCY, STRETCH = range(4)  # [s], cycles until then, [Hz]; and how many
-DOF, STIFFNESS, DAMPING, CENTRE, AMPLITUDE, LAG, FIRST = range(7)  # SI units; CENTRE may be NaN
+# SI units; CENTRE may be NaN.
+DOF, STIFFNESS, DAMPING, CENTRE, AMPLITUDE, LAG, LAG_COS, LAG_SIN, FIRST = range(9)
 STATES = 4
 JOINT = FIRST + STATES
 REMEMBERS = 1 + STATES  # per joint: where it was, and its oscillator; before all, the time
@@ -212,8 +213,8 @@ def phase_of(own: FloatArray, k: int, memory: FloatArray) -> tuple[float, float]
         aside = (s[1] - s[3]) / (drive * own[ASIDE])
         cosine = (sine * own[TURN_COS] - aside) / own[TURN_SIN]
     length = max(np.sqrt(cosine * cosine + sine * sine), 1e-12)
-    c, d = np.cos(own[row + LAG]), np.sin(own[row + LAG])
-    return (cosine * c - sine * d) / length, (sine * c + cosine * d) / length
+    c, d = own[row + LAG_COS] / length, own[row + LAG_SIN] / length
+    return cosine * c - sine * d, sine * c + cosine * d
 
 
 @compiled
