@@ -5,14 +5,15 @@ kinematics (`sim.Replay`). It uses nothing of the controllers, so that it cannot
 mistakes.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives import GetPosture, GoToPoint, Place
+from adonis.judging_rhythm import asked_rhythms, off_rhythm
+from primitives import GetPosture, GoToPoint, Oscillate, Place, Primitive
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
 from specs import Background, SubTask, TaskSpec, task_from_text
 
@@ -22,6 +23,9 @@ TOUCH_AT_END = 0.03  # palm to landmark when the move's time is over [m]
 TOUCH_BEFORE_NEXT = 0.015  # and just before the arm moves on [m]
 ANGLE = 10.0  # arm, elbow and other joints of a posture [deg]
 PALM_ANGLE = 15.0  # palm of a posture [deg]
+RHYTHM_FREQUENCY = 3.0  # of a joint that swings [% of what was asked]
+RHYTHM_AMPLITUDE = 20.0  # in any cycle [% of what was asked]
+RHYTHM_LAG = 20.0  # of a joint behind the first [deg]
 PENETRATION = 0.005  # of any two geoms, at any step [m]
 HAND_OVER_STEP = 0.10  # change of a joint's torque in 2 ms, as a share of its limit
 UPRIGHT = 5.0  # joints that no sub-task moves [deg]
@@ -75,7 +79,7 @@ class Verdict:
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         does, worst = self.subtask.does, self.worst
-        limb = ", ".join(claimed(self.subtask))
+        limb = ", ".join(claimed(self.subtask) or _swinging(self.subtask.does))
         return {
             "name": self.subtask.name,
             "words": self.subtask.words,
@@ -169,6 +173,8 @@ class _Measuring:
             return self._reach(does, end, held)
         if isinstance(does, GetPosture):
             return self._posture(does, end, held)
+        if isinstance(does, Oscillate):
+            return self._rhythm(does, span.start, span.end, task, does.joints)
         return []
 
     def _reach(self, does: GoToPoint, end: int, held: int) -> list[Measure]:
@@ -241,6 +247,29 @@ class _Measuring:
         worst = max(off, key=off.__getitem__)
         return Measure("joint angles", off[worst], ANGLE, "deg", worst)
 
+    def _rhythm(
+        self, does: Oscillate, start: float, end: float, task: TaskSpec, joints: Iterable[str]
+    ) -> list[Measure]:
+        """Its swinging joints. One that listens to the limb swings as the limb would."""
+        if does.feedback:
+            return []
+        angles = {joint: self.replay.angle(joint) for joint in does.joints}
+        measures = []
+        for rhythm in asked_rhythms(does, task.tempo, start, end):
+            found = off_rhythm(does, rhythm, self.recording.time, angles)
+            for what, off, limit, unit in zip(
+                ("frequency", "amplitude", "lag"),
+                found,
+                (RHYTHM_FREQUENCY, RHYTHM_AMPLITUDE, RHYTHM_LAG),
+                ("%", "%", "deg"),
+                strict=True,
+            ):
+                own = {joint: off[joint] for joint in joints if joint in off}
+                if own:
+                    worst = max(own, key=own.__getitem__)
+                    measures.append(Measure(f"{what} off", own[worst], limit, unit, worst))
+        return measures
+
     def _from_carrier(self, limb: Limb, directions: FloatArray) -> FloatArray:
         """Directions (T, 3) of the world, seen from the link that carries the limb."""
         carrier = self.replay.link(self.replay.parent(limb.upper_arm))
@@ -282,7 +311,8 @@ class _Measuring:
             ),
             self._hand_over(task, spans, limits),
         ]
-        moved = {j for s in task.subtasks for j in self._joints(claimed(s))}
+        taken = {j for s in task.subtasks for j in self._joints(claimed(s))}
+        moved = taken | {j for s in (*task.background, *task.subtasks) for j in _swinging(s.does)}
         still = [j for group in self.names.upright for j in self.names.groups[group]]
         home = self.names.postures[self.names.home]
         off = {
@@ -293,6 +323,12 @@ class _Measuring:
         if off:
             worst = max(off, key=off.__getitem__)
             checks.append(Measure("upright", off[worst], UPRIGHT, "deg", worst))
+        for beside in task.background:
+            if isinstance(beside.does, Oscillate):
+                free = [j for j in beside.does.joints if j not in claimed]
+                whole = float(recording.time[0]), float(recording.time[-1])
+                seen = self._rhythm(beside.does, *whole, task, free)
+                checks += [replace(m, what=f"{beside.name}: {m.what}") for m in seen]
         return checks
 
     def _hand_over(self, task: TaskSpec, spans: dict[str, Span], limits: FloatArray) -> Measure:
@@ -355,11 +391,18 @@ def claimed(subtask: Background | SubTask) -> Sequence[str]:
 
     A primitive of the user's own may mean something else by those parameters.
     """
-    limb, joints = getattr(subtask.does, "limb", None), getattr(subtask.does, "joints", None)
+    does = subtask.does
+    if isinstance(does, Oscillate):
+        return _swinging(does) if does.claims else ()
+    limb, joints = getattr(does, "limb", None), getattr(does, "joints", None)
     if isinstance(limb, str):
         return (limb,)
     listed = joints if isinstance(joints, list | tuple) else ()
     return tuple(name for name in listed if isinstance(name, str))
+
+
+def _swinging(does: Primitive) -> Sequence[str]:
+    return tuple(does.joints) if isinstance(does, Oscillate) else ()
 
 
 def _own(limb: Limb, joint: str) -> str:

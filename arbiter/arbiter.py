@@ -66,7 +66,7 @@ class Arbiter:
         self._live = np.full(n, -1, dtype=np.int32)
         self._slots = np.zeros((n, slots), dtype=SLOT)
         self._log = np.zeros((n, len(task.fields)), dtype=LOG)
-        self._memory = np.zeros((n, channels + 1, memory_size(body.nv)))
+        self._memory = np.zeros((n, channels + 1, memory_size(table)))
         self._plain_torque = np.zeros((n, len(self._plain), body.nv))
         self._plain_error = np.zeros((n, len(self._plain)))
         grouped = bool(task.spec.groups)

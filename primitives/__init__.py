@@ -5,6 +5,7 @@ from primitives.compensate_gravity import CompensateGravity
 from primitives.errors import PrimitiveError
 from primitives.get_posture import GetPosture, ViaPosture
 from primitives.go_to_point import GoToPoint, Place, ViaPlace
+from primitives.oscillate import Oscillate, Swing, TempoChange
 from primitives.primitive import Field, Primitive
 
 __all__ = [
@@ -13,9 +14,12 @@ __all__ = [
     "Field",
     "GetPosture",
     "GoToPoint",
+    "Oscillate",
     "Place",
     "Primitive",
     "PrimitiveError",
+    "Swing",
+    "TempoChange",
     "ViaPlace",
     "ViaPosture",
 ]

@@ -43,7 +43,7 @@ class CompiledField(ABC):
         """Remember what is needed of the simulations `who` (n,) in which it is switched on."""
         alone = self._table()
         if alone.memory.shape[0] != state.n:
-            alone.memory = np.zeros((state.n, memory_size(self._body.nv)))
+            alone.memory = np.zeros((state.n, memory_size(alone.table)))
         _begin(*alone.seen(state), who, alone.memory)
 
     def torque(self, state: State, t: FloatArray) -> FloatArray:
@@ -72,7 +72,7 @@ class _Alone:
     def __init__(self, body: Body, table: FieldTable) -> None:
         self.table = table
         self.links, self.dofs = link_table(body), dof_table(body)
-        self.memory = np.zeros((0, memory_size(body.nv)))
+        self.memory = np.zeros((0, memory_size(table)))
         self.room = make_scratch(table, 1)
 
     def seen(self, s: State) -> tuple[object, ...]:

@@ -16,7 +16,7 @@ One that needs names resolved or has to remember something overrides `bind` and 
 """
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +57,13 @@ class Primitive(BaseModel):
 
     # Parameters that name the part of the body which a report lists as the limb.
     limb_parameters: ClassVar[Sequence[str]] = ("limb", "joints")
+
+    def at_tempo(self, tempo: float) -> Self:
+        """The same with whatever it says in beats said in seconds; tempo in beats per minute.
+
+        A task asks this before it binds. Most primitives say nothing in beats.
+        """
+        return self
 
     def bind(self, body: Body, duration: float) -> Field:
         """The torque field of this primitive on a body.

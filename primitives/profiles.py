@@ -13,6 +13,14 @@ def minimum_jerk(s: float) -> float:
 
 
 @compiled
+def minimum_jerk_rate(s: float) -> float:
+    """The derivative of `minimum_jerk`: 30 s^2 (1 - s)^2 on [0, 1], 0 outside."""
+    if s <= 0.0 or s >= 1.0:
+        return 0.0
+    return 30.0 * s * s * (1.0 - s) * (1.0 - s)
+
+
+@compiled
 def step(s: float) -> float:
     """s - sin(2 pi s) / (2 pi) on [0, 1], 0 before, 1 after (Mataric et al. 1999, eq 5)."""
     if s <= 0.0:

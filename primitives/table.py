@@ -15,6 +15,7 @@ from primitives.endpoint_force import endpoint_force
 from primitives.gravity import carry_weight
 from primitives.impedance import POINT, REACH, REMEMBERED, begin_reach, impedance, palm_position
 from primitives.mechanics import Row, dot, subtract, to_world, vector
+from primitives.oscillator import JOINTS, REMEMBERS, begin_rhythm, rhythm
 from primitives.pd_servo import pd_servo
 from primitives.profiles import minimum_jerk
 from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR, TOUCH, repel
@@ -30,10 +31,10 @@ from primitives.torque_field import torque_field, weigh_wells
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
-PLAIN, PD_SERVO, TORQUE_FIELD, IMPEDANCE, ENDPOINT_FORCE, GUARDING, WEIGHT = range(7)
+PLAIN, PD_SERVO, TORQUE_FIELD, IMPEDANCE, ENDPOINT_FORCE, GUARDING, WEIGHT, RHYTHM = range(8)
 
-# `row` is where the field's own numbers begin: in `numbers` (PD_SERVO, TORQUE_FIELD, WEIGHT),
-# `reaches` (IMPEDANCE, ENDPOINT_FORCE), `guards` (GUARDING), or its place among the plain
+# `row` is where the field's own numbers begin: in `numbers` (PD_SERVO, TORQUE_FIELD, WEIGHT,
+# RHYTHM), `reaches` (IMPEDANCE, ENDPOINT_FORCE), `guards` (GUARDING), or its place among the plain
 # fields (PLAIN).
 FIELD = np.dtype(
     [
@@ -156,9 +157,14 @@ class TableBuilder:
         )
 
 
-def memory_size(nv: int) -> int:
+def memory_size(table: FieldTable) -> int:
     """How many numbers a field may remember per simulation."""
-    return max(nv, REMEMBERED)
+    most: int = max(table.claims.shape[1], REMEMBERED)
+    for field in table.fields:
+        if field["kind"] == RHYTHM:
+            joints = int(table.numbers[field["row"] + JOINTS])
+            most = max(most, 1 + REMEMBERS * joints)
+    return most
 
 
 @compiled
@@ -171,6 +177,8 @@ def begin_field(table: FieldTable, f: int, x: Row, memory: FloatArray) -> None:
             memory[j] = x.qpos[at] if at >= 0 else 0.0
     elif field.kind in (IMPEDANCE, ENDPOINT_FORCE):
         begin_reach(x, table.reaches[field.row], memory)
+    elif field.kind == RHYTHM:
+        begin_rhythm(x, table.numbers[field.row :], memory)
 
 
 @compiled
@@ -234,6 +242,8 @@ def add_torque(
         )  # fmt: skip
     elif field.kind == WEIGHT:
         carry_weight(x, table.numbers[field.row : field.row + 3], out)
+    elif field.kind == RHYTHM:
+        rhythm(x, table.numbers[field.row :], memory, t, field.duration, out)
 
 
 @compiled

@@ -71,13 +71,14 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     document = document or Document(None, "")
     graph = build_graph(spec, document)
     background = tuple(
-        _bind(b.does, body, np.inf, document, ("background", i), b.name)
+        _bind(b.does, spec.tempo, body, np.inf, document, ("background", i), b.name)
         for i, b in enumerate(spec.background)
     )
     places: dict[str, Path_] = {s.name: ("subtasks", i) for i, s in enumerate(spec.subtasks)}
     fields = tuple(
         _bind(
             graph.subtasks[name].does,
+            spec.tempo,
             body,
             spec.duration(graph.subtasks[name]),
             document,
@@ -103,11 +104,17 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
 
 
 def _bind(
-    primitive: Primitive, body: Body, duration: float, document: Document, path: Path_, name: str
+    primitive: Primitive,
+    tempo: float,
+    body: Body,
+    duration: float,
+    document: Document,
+    path: Path_,
+    name: str,
 ) -> Field:
     """The field of a primitive; whatever is wrong with it is said at its place in the file."""
     try:
-        field = primitive.bind(body, duration)
+        field = primitive.at_tempo(tempo).bind(body, duration)
         wrong = _no_field(field, body)
     except (BodyError, PrimitiveError) as problem:
         where, key = _named(document, path, str(problem))

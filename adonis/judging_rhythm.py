@@ -1,0 +1,107 @@
+"""How fast, how far and how far behind a recorded joint swings: by zero crossings and a sine.
+
+Only angles and times go in, nothing of the oscillators that were to make them.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from primitives import Oscillate
+
+FloatArray = NDArray[np.float64]
+
+FEWEST_CYCLES = 2.0  # below, nothing can be told
+SETTLING = 0.5  # cycles after a change of tempo
+
+
+@dataclass(frozen=True)
+class Rhythm:
+    """What was to be seen for some time."""
+
+    start: float  # [s]
+    end: float
+    frequency: float  # [Hz]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What was seen."""
+
+    frequency: float  # [Hz]; 0 where nothing swings
+    amplitudes: FloatArray  # of each cycle (cycles,) [rad]
+    phase: float  # of its sine at time 0 [rad]
+
+
+def asked_rhythms(does: Oscillate, tempo: float, start: float, end: float) -> Iterator[Rhythm]:
+    """The stretches of one frequency, without the time in which the swing grows or dies away.
+
+    Stretches too short to be measured are left out.
+    """
+    paced = does.at_tempo(tempo)
+    assert paced.frequency is not None
+    begins, cycle, frequency = start, 0.0, paced.frequency
+    stretches = [(begins, frequency)]
+    for change in paced.then:
+        assert change.frequency is not None
+        begins += (change.cycle - cycle) / frequency
+        cycle, frequency = change.cycle, change.frequency
+        stretches.append((begins, frequency))
+    ends = [min(begins, end) for begins, _ in stretches[1:]] + [end]
+    for k, ((begins, frequency), stops) in enumerate(zip(stretches, ends, strict=True)):
+        first = begins + (SETTLING if k else does.ease) / frequency
+        last = stops - (does.ease / frequency if stops == end else 0.0)
+        if (last - first) * frequency >= FEWEST_CYCLES * (1.0 - 1e-9):
+            yield Rhythm(first, last, frequency)
+
+
+def seen(time: FloatArray, angle: FloatArray, frequency: float) -> Seen:
+    """Measure the swinging of a joint.
+
+    Args:
+        time: (k,) [s]
+        angle: (k,) [rad]
+        frequency: of the sine that is fitted to it [Hz]; what it has is measured apart from that.
+    """
+    turn = 2.0 * np.pi * frequency * time
+    # The trend and the sine are fitted at once: a line alone would take part of the sine away.
+    columns = np.column_stack([np.ones_like(time), time, np.sin(turn), np.cos(turn)])
+    fitted = np.linalg.lstsq(columns, angle, rcond=None)[0]
+    swing = angle - columns[:, :2] @ fitted[:2]
+    rises = np.flatnonzero((swing[:-1] < 0.0) & (swing[1:] >= 0.0))
+    if len(rises) < 2:
+        return Seen(0.0, np.zeros(1), np.nan)
+    share = swing[rises] / (swing[rises] - swing[rises + 1])
+    crossings = time[rises] + share * (time[rises + 1] - time[rises])
+    cycles = [swing[a : b + 1] for a, b in pairwise(rises)]
+    return Seen(
+        frequency=float((len(crossings) - 1) / (crossings[-1] - crossings[0])),
+        amplitudes=np.array([0.5 * (c.max() - c.min()) for c in cycles]),
+        phase=float(np.arctan2(fitted[3], fitted[2])),
+    )
+
+
+def off_rhythm(
+    does: Oscillate, rhythm: Rhythm, time: FloatArray, angles: Mapping[str, FloatArray]
+) -> tuple[dict[str, float], dict[str, float], dict[str, float]]:
+    """By how much joints miss their frequency and amplitude [%], and their lags [deg].
+
+    Lags are behind the first joint.
+    """
+    frequencies, amplitudes, lags = {}, {}, {}
+    rows = (time >= rhythm.start) & (time <= rhythm.end)
+    first: tuple[float, float] | None = None
+    for joint, swing in does.joints.items():
+        what = seen(time[rows], angles[joint][rows], rhythm.frequency)
+        frequencies[joint] = 100.0 * abs(what.frequency / rhythm.frequency - 1.0)
+        share = np.rad2deg(what.amplitudes) / swing.amplitude
+        amplitudes[joint] = 100.0 * float(np.abs(share - 1.0).max())
+        if first is None:
+            first = what.phase, swing.lag
+            continue
+        behind = np.rad2deg(first[0] - what.phase) - (swing.lag - first[1])
+        lags[joint] = abs(float((behind + 180.0) % 360.0 - 180.0))
+    return frequencies, amplitudes, lags
