@@ -325,7 +325,7 @@ class _Measuring:
             checks.append(Measure("upright", off[worst], UPRIGHT, "deg", worst))
         for beside in task.background:
             if isinstance(beside.does, Oscillate):
-                free = [j for j in beside.does.joints if j not in claimed]
+                free = [j for j in beside.does.joints if j not in taken]
                 whole = float(recording.time[0]), float(recording.time[-1])
                 seen = self._rhythm(beside.does, *whole, task, free)
                 checks += [replace(m, what=f"{beside.name}: {m.what}") for m in seen]
