@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from adonis.judging_rhythm import asked_rhythms, off_rhythm
+from adonis.judging_rhythm import asked_rhythms, off_rhythm, off_swing
 from primitives import GetPosture, GoToPoint, Oscillate, Place, Primitive
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
 from specs import Background, SubTask, TaskSpec, task_from_text
@@ -268,6 +268,12 @@ class _Measuring:
                 if own:
                     worst = max(own, key=own.__getitem__)
                     measures.append(Measure(f"{what} off", own[worst], limit, unit, worst))
+        if not measures:
+            off = off_swing(does, self.recording.time, angles, start, end)
+            own = {joint: off[joint] for joint in joints}
+            worst = max(own, key=own.__getitem__, default="")
+            if worst:
+                measures = [Measure("swing off", own[worst], RHYTHM_AMPLITUDE, "%", worst)]
         return measures
 
     def _from_carrier(self, limb: Limb, directions: FloatArray) -> FloatArray:

@@ -105,3 +105,15 @@ def off_rhythm(
         behind = np.rad2deg(first[0] - what.phase) - (swing.lag - first[1])
         lags[joint] = abs(float((behind + 180.0) % 360.0 - 180.0))
     return frequencies, amplitudes, lags
+
+
+def off_swing(
+    does: Oscillate, time: FloatArray, angles: Mapping[str, FloatArray], start: float, end: float
+) -> dict[str, float]:
+    """By how much joints miss the width of their swing, in a rhythm too short for more [%]."""
+    rows = (time >= start) & (time <= end)
+    return {
+        joint: 100.0
+        * abs(0.5 * float(np.rad2deg(np.ptp(angles[joint][rows]))) / swing.amplitude - 1.0)
+        for joint, swing in does.joints.items()
+    }
