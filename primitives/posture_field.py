@@ -65,6 +65,8 @@ class PostureField(CompiledField):
         miss: by how much the last posture misses a goal that was given as a place [m].
     """
 
+    passive = True
+
     def __init__(
         self,
         body: Body,

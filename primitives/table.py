@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 
 from primitives.compiled import Record, Records, compiled
 from primitives.endpoint_force import endpoint_force
-from primitives.gravity import carry_weight
-from primitives.impedance import POINT, REACH, REMEMBERED, begin_reach, impedance, palm_position
+from primitives.gaze import begin_gaze, gaze, gaze_error, looking_at
+from primitives.gravity import carry_weight, hang_loose
+from primitives.impedance import POINT, REACH, begin_reach, impedance, palm_position, pull_hand
 from primitives.mechanics import Row, dot, subtract, to_world, vector
 from primitives.pd_servo import pd_servo
+from primitives.pointing import begin_pointing, point_arm, pointing_at, pointing_error
 from primitives.profiles import minimum_jerk
+from primitives.pursuit import SINCE, moving_point, pursuit_error, pursuit_force
 from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR, TOUCH, repel
 from primitives.set_point import (
     MOST_KNOTS,
@@ -31,10 +34,12 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 PLAIN, PD_SERVO, TORQUE_FIELD, IMPEDANCE, ENDPOINT_FORCE, GUARDING, WEIGHT = range(7)
+GAZE, POINT_ARM, PURSUIT, LOOSE = range(7, 11)
 
-# `row` is where the field's own numbers begin: in `numbers` (PD_SERVO, TORQUE_FIELD, WEIGHT),
-# `reaches` (IMPEDANCE, ENDPOINT_FORCE), `guards` (GUARDING), or its place among the plain
-# fields (PLAIN).
+# `row` is where the field's own numbers begin: in `numbers` (PD_SERVO, TORQUE_FIELD, WEIGHT,
+# GAZE, POINT_ARM, LOOSE), `reaches` (IMPEDANCE, ENDPOINT_FORCE, PURSUIT), `guards` (GUARDING), or
+# its place among the plain fields (PLAIN). A PURSUIT keeps a trajectory of `knots` points in
+# `numbers`, from `curve` on.
 FIELD = np.dtype(
     [
         *(("kind", np.int32), ("row", np.int32), ("curve", np.int32), ("knots", np.int32)),
@@ -158,7 +163,7 @@ class TableBuilder:
 
 def memory_size(nv: int) -> int:
     """How many numbers a field may remember per simulation."""
-    return max(nv, REMEMBERED)
+    return max(nv, SINCE + 1)
 
 
 @compiled
@@ -171,6 +176,13 @@ def begin_field(table: FieldTable, f: int, x: Row, memory: FloatArray) -> None:
             memory[j] = x.qpos[at] if at >= 0 else 0.0
     elif field.kind in (IMPEDANCE, ENDPOINT_FORCE):
         begin_reach(x, table.reaches[field.row], memory)
+    elif field.kind == PURSUIT:
+        begin_reach(x, table.reaches[field.row], memory)
+        memory[SINCE] = 0.0
+    elif field.kind == GAZE:
+        begin_gaze(x, looking_at(table.numbers[field.row :]), memory)
+    elif field.kind == POINT_ARM:
+        begin_pointing(x, pointing_at(table.numbers[field.row :]), memory)
 
 
 @compiled
@@ -199,7 +211,24 @@ def add_torque(
     field = table.fields[f]
     nv = out.shape[0]
     knots = field.knots
-    if knots:
+    if field.kind == GAZE:
+        looking = looking_at(table.numbers[field.row :])
+        gaze(x, looking, table.claims[f], memory, t / field.duration, out)
+    elif field.kind == POINT_ARM:
+        pointing = pointing_at(table.numbers[field.row :])
+        point_arm(x, pointing, memory, t / field.duration, out)
+    elif field.kind == PURSUIT:
+        reach = table.reaches[field.row]
+        memory[SINCE] = t
+        place, velocity = moving_point(
+            x, reach, table.points, table.numbers[field.curve :], knots, t
+        )
+        force = pursuit_force(x, reach, place, velocity, memory, t, field.duration)
+        pull_hand(x, reach, memory, t / field.duration, force, out)
+    elif field.kind == LOOSE:
+        own = table.numbers[field.row : field.row + nv + 3]
+        hang_loose(x, own[:nv], own[nv:], table.claims[f], scratch.angles, out)
+    elif knots:
         times = table.numbers[field.curve : field.curve + knots]
         at = field.curve + knots
         coefficients = table.numbers[at : at + (knots - 1) * POWERS * knots]
@@ -237,8 +266,11 @@ def add_torque(
 
 
 @compiled
-def field_error(table: FieldTable, f: int, x: Row) -> float:
-    """Distance of field f from its goal: largest joint error [rad], palm to goal [m], else 0."""
+def field_error(table: FieldTable, f: int, x: Row, memory: FloatArray) -> float:
+    """Distance of field f from its goal: largest joint error or angle [rad], palm to goal [m].
+
+    A servo whose movement never ends stays where it began. NaN if the field has no goal.
+    """
     field = table.fields[f]
     nv = x.qvel.shape[0]
     if field.kind in (PD_SERVO, TORQUE_FIELD):
@@ -246,14 +278,24 @@ def field_error(table: FieldTable, f: int, x: Row) -> float:
         worst = 0.0
         for j in range(nv):
             if table.claims[f, j]:
-                worst = max(worst, abs(x.qpos[x.dofs[j].qpos] - goal[j]))
+                wanted = memory[j] if np.isinf(field.duration) else goal[j]
+                worst = max(worst, abs(x.qpos[x.dofs[j].qpos] - wanted))
         return worst
     if field.kind in (IMPEDANCE, ENDPOINT_FORCE):
         reach = table.reaches[field.row]
         p = table.points[reach.points + field.knots - 2]
         gap = subtract(to_world(x, p.link, vector(p.point)), palm_position(x, reach))
         return float(np.sqrt(dot(gap, gap)))
-    return 0.0
+    if field.kind == PURSUIT:
+        reach = table.reaches[field.row]
+        knots = table.numbers[field.curve :]
+        place, _ = moving_point(x, reach, table.points, knots, field.knots, memory[SINCE])
+        return pursuit_error(x, reach, place)
+    if field.kind == GAZE:
+        return gaze_error(x, looking_at(table.numbers[field.row :]))
+    if field.kind == POINT_ARM:
+        return pointing_error(x, pointing_at(table.numbers[field.row :]))
+    return np.nan
 
 
 @compiled

@@ -8,11 +8,32 @@ from functools import lru_cache
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from primitives import AvoidCollisions, CompensateGravity, GetPosture, GoToPoint, Primitive
+from primitives import (
+    AvoidCollisions,
+    CompensateGravity,
+    Follow,
+    GetPosture,
+    GoToPoint,
+    Hold,
+    LookAt,
+    PointAt,
+    Primitive,
+    Relax,
+)
 from specs.errors import SpecError
 
 ENTRY_POINT = "adonis.primitives"
-BUILT_IN: tuple[type[Primitive], ...] = (GetPosture, GoToPoint, AvoidCollisions, CompensateGravity)
+BUILT_IN: tuple[type[Primitive], ...] = (
+    GetPosture,
+    GoToPoint,
+    Follow,
+    PointAt,
+    LookAt,
+    Hold,
+    Relax,
+    AvoidCollisions,
+    CompensateGravity,
+)
 
 
 def available_primitives(extra: Iterable[type[Primitive]] = ()) -> dict[str, type[Primitive]]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives import Field, Primitive, PrimitiveError
+from primitives import CompensateGravity, Field, Primitive, PrimitiveError, Relax
 from sim import Body, BodyError
 from specs.blame import told
 from specs.errors import SpecError
@@ -76,6 +76,7 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     )
     _check_claims(graph, fields, body, document, places)
     _check_goals(graph, fields, document, places)
+    _check_limp(spec, document)
     start = body.home.copy()
     if spec.start is not None:
         try:
@@ -177,6 +178,21 @@ def _check_goals(
                 f"{name}: 'done: reached' needs a goal, and {subtask.does.kind} has none: the unit"
                 " of its error is empty",
                 (*places[name], "done"),
+            )
+
+
+def _check_limp(spec: TaskSpec, document: Document) -> None:
+    """A limp limb takes its weight back from compensate-gravity, so there must be that."""
+    if any(isinstance(b.does, CompensateGravity) for b in spec.background):
+        return
+    steps = [(("background", i), b) for i, b in enumerate(spec.background)]
+    steps += [(("subtasks", i), s) for i, s in enumerate(spec.subtasks)]
+    for path, step in steps:
+        if isinstance(step.does, Relax) and step.does.limp:
+            raise document.error(
+                f"{step.name}: 'limp' takes back the weight that compensate-gravity carries, and"
+                " nothing in the background does: leave it out, the limb falls by itself",
+                (*path, "limp"),
             )
 
 
