@@ -12,7 +12,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives import GetPosture, GoToPoint, Place
+from adonis.aims import Aims
+from primitives import (
+    Follow,
+    GetPosture,
+    GoToPoint,
+    Hold,
+    LookAt,
+    Place,
+    PointAt,
+    Primitive,
+    Relax,
+)
+from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
 from specs import SubTask, TaskSpec, task_from_text
 
@@ -22,9 +34,16 @@ TOUCH_AT_END = 0.03  # palm to landmark when the move's time is over [m]
 TOUCH_BEFORE_NEXT = 0.015  # and just before the arm moves on [m]
 ANGLE = 10.0  # arm, elbow and other joints of a posture [deg]
 PALM_ANGLE = 15.0  # palm of a posture [deg]
+GAZE = 5.0  # between where the face points and the goal [deg]
+POINTING = 5.0  # between the arm and the goal, seen from the shoulder [deg]
+DRIFT = 5.0  # of any joint that is to stay where it was [deg]
+TRACKING_RMS = 0.02  # palm to moving point, once it has caught up [m]
+TRACKING_AT_END = 0.02  # and when the time is over [m]
+RELAXED = 1.0  # speed of any joint of a relaxed limb, when its time is over [rad/s]
 PENETRATION = 0.005  # of any two geoms, at any step [m]
 HAND_OVER_STEP = 0.10  # change of a joint's torque in 2 ms, as a share of its limit
 UPRIGHT = 5.0  # joints that no sub-task moves [deg]
+HEAD = "head"  # the joints that turn it, in a list of what a sub-task moves
 
 
 @dataclass(frozen=True)
@@ -144,6 +163,7 @@ class _Measuring:
     def __init__(self, recording: Recording, names: BodyMap) -> None:
         self.recording, self.names = recording, names
         self.replay = Replay(recording)
+        self.aims = Aims(self.replay, names)
 
     # --- sub-tasks -------------------------------------------------------------------------
 
@@ -157,6 +177,45 @@ class _Measuring:
             return self._reach(does, end, held)
         if isinstance(does, GetPosture):
             return self._posture(does, end, held)
+        return self._aim(does, span, end, held, task.duration(subtask))
+
+    def _aim(
+        self, does: Primitive, span: Span, end: int, held: int, duration: float
+    ) -> list[Measure]:
+        """Of look-at, point-at, follow, hold and relax; nothing of a primitive of one's own."""
+        after = slice(end, held + 1)
+        match does:
+            case LookAt():
+                return [Measure("gaze", float(self.aims.gaze(does)[after].max()), GAZE, "deg")]
+            case PointAt():
+                straight = {self.names.limbs[does.limb].elbow: 0.0}
+                off = float(self.aims.pointing(does)[after].max())
+                return [
+                    Measure("arm to goal", off, POINTING, "deg"),
+                    self._angles(straight, after),
+                ]
+            case Follow():
+                distance = self.aims.tracking(does, span.start)
+                caught = self.recording.row(span.start + settling(does.settle, duration))
+                rms = float(np.sqrt(np.mean(distance[min(caught, end) : end + 1] ** 2)))
+                return [
+                    Measure("palm to moving point, rms", rms, TRACKING_RMS, "m"),
+                    Measure("at the end", float(distance[end]), TRACKING_AT_END, "m"),
+                ]
+            case Hold():
+                began = self.recording.row(span.start)
+                own = self._joints(does.limb or does.joints or ())
+                was = {j: float(np.rad2deg(self.replay.angle(j)[began])) for j in own}
+                drift = self._angles(was, slice(began, held + 1))
+                return [Measure("drift", drift.value, DRIFT, "deg", drift.where)]
+            case Relax():
+                own = self._joints(does.limb or does.joints or ())
+                speed = {
+                    j: float(np.abs(self.recording.qvel[after, self.replay.dof(j)]).max())
+                    for j in own
+                }
+                worst = max(speed, key=speed.__getitem__)
+                return [Measure("joint speed", speed[worst], RELAXED, "rad/s", worst)]
         return []
 
     def _reach(self, does: GoToPoint, end: int, held: int) -> list[Measure]:
@@ -271,6 +330,9 @@ class _Measuring:
             self._hand_over(task, spans, limits),
         ]
         moved = {j for s in task.subtasks for j in self._joints(_claimed(s))}
+        for beside in (b.does for b in task.background):
+            if isinstance(beside, LookAt | Relax):
+                moved |= self._joints(_moved_by(beside))
         still = [j for group in self.names.upright for j in self.names.groups[group]]
         home = self.names.postures[self.names.home]
         off = {
@@ -317,6 +379,8 @@ class _Measuring:
                 found |= set(self.names.limbs[name].joints)
             elif name in self.names.groups:
                 found |= set(self.names.groups[name])
+            elif name == HEAD and self.names.head is not None:
+                found |= self._joints(self.names.head.joints)
             elif name == "all":
                 found |= set(self.names.servos)
             elif self._is_joint(name):
@@ -346,7 +410,13 @@ def _claimed(subtask: SubTask) -> Sequence[str]:
 
     A primitive of the user's own may mean something else by those parameters.
     """
-    limb, joints = getattr(subtask.does, "limb", None), getattr(subtask.does, "joints", None)
+    return _moved_by(subtask.does)
+
+
+def _moved_by(does: Primitive) -> Sequence[str]:
+    limb, joints = getattr(does, "limb", None), getattr(does, "joints", None)
+    if isinstance(does, LookAt) and does.joints is None:
+        return (HEAD,)
     if isinstance(limb, str):
         return (limb,)
     listed = joints if isinstance(joints, list | tuple) else ()

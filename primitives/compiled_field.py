@@ -6,7 +6,6 @@ field is a table of one.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import ClassVar
 
 import numpy as np
 
@@ -30,7 +29,7 @@ from sim import Body, State
 class CompiledField(ABC):
     """A bound primitive that is rows of a table; also usable by itself as a `Field`."""
 
-    passive: ClassVar[bool] = False  # see `Primitive.passive`
+    passive: bool = False  # see `Primitive.passive`
 
     def __init__(self, body: Body, claims: IntArray, unit: str) -> None:
         self.claims = claims

@@ -64,7 +64,6 @@ class Looking(NamedTuple):
     level: float  # L [N m/rad]
 
 
-
 @compiled
 def looking_at(own: FloatArray) -> Looking:
     """A `Looking` from its numbers."""

@@ -76,7 +76,6 @@ def pointing_at(own: FloatArray) -> Pointing:
     )  # fmt: skip
 
 
-
 @compiled
 def arm_line(x: Row, a: Pointing) -> tuple[Vector, float, Vector, float]:
     """Direction of the arm and its length, direction of the goal and how far it is [m]."""

@@ -162,9 +162,7 @@ def check_parts(trial: Trial) -> None:
     """A field has its parts; its claims are joints of the body."""
     field = trial.bind()
     lacks = [part for part in PARTS if not hasattr(field, part)]
-    _expect(
-        not lacks, trial, f"its field lacks {', '.join(lacks)}: give it {', '.join(PARTS)} all"
-    )
+    _expect(not lacks, trial, f"its field lacks {', '.join(lacks)}: give it {', '.join(PARTS)} all")
     claims = field.claims
     whole = isinstance(claims, np.ndarray) and claims.ndim == 1 and claims.dtype.kind in "iu"
     _expect(
@@ -243,9 +241,7 @@ def check_finite(trial: Trial) -> None:
         )
     if field.unit:
         error = np.asarray(field.error(away))
-        _expect(
-            bool(np.isfinite(error).all()), trial, "its error is not finite in every posture"
-        )
+        _expect(bool(np.isfinite(error).all()), trial, "its error is not finite in every posture")
 
 
 def check_determinism(trial: Trial) -> None:
@@ -415,7 +411,9 @@ def everywhere(state: State) -> BoolArray:
 
 def _expect(holds: bool, trial: Trial, message: str) -> None:
     if not holds:
-        raise AssertionError(f"{trial.primitive.kind} ({type(trial.primitive).__name__}): {message}")
+        raise AssertionError(
+            f"{trial.primitive.kind} ({type(trial.primitive).__name__}): {message}"
+        )
 
 
 def _work_around(trial: Trial, speed: float) -> tuple[FloatArray, FloatArray]:
