@@ -14,7 +14,7 @@ from primitives.compiled_field import CompiledField
 from primitives.impedance import POINT
 from primitives.parameters import SETTLE, Direction, NonNegative, Positive, Vector, settling
 from primitives.primitive import FloatArray, Primitive
-from primitives.pursuit import spline_velocities
+from primitives.pursuit import KNOT, spline_velocities
 from primitives.reach_field import HandGoal, hand_springs
 from primitives.table import PURSUIT, TableBuilder
 from primitives.target import Target, locate, refuse_own
@@ -86,7 +86,8 @@ class Follow(Primitive):
     def bind(self, body: Body, duration: float) -> "PursuitField":
         """See `Primitive.bind`."""
         arm = body.arm(self.limb)
-        normal, touched, places, knots = None, -1, (), np.zeros((0, 7))
+        normal, touched, knots = None, -1, np.zeros((0, KNOT))
+        places: tuple[Spot, ...] = ()
         if self.trajectory is not None:
             knots = _knots(body, arm, self.trajectory)
         elif self.to is not None:
@@ -123,7 +124,7 @@ class PursuitField(CompiledField):
         reach = self._reach.copy()
         if self._goal.places:
             points = np.zeros(1, dtype=POINT)
-            spot: Spot = self._goal.places[0]
+            (spot,) = self._goal.places
             points["link"], points["point"] = spot.link, spot.point
             reach["points"] = table.records(points)
         return table.field(

@@ -40,11 +40,12 @@ def spline_velocities(times: FloatArray, points: FloatArray) -> FloatArray:
     count = len(times)
     h = np.diff(times)
     pace = np.diff(points, axis=0) / h[:, None]
-    matrix, right = np.eye(count), np.zeros((count, 3))
+    matrix: FloatArray = np.eye(count)
+    right: FloatArray = np.zeros((count, 3))
     for k in range(1, count - 1):
         matrix[k, k - 1 : k + 2] = h[k], 2.0 * (h[k - 1] + h[k]), h[k - 1]
         right[k] = 3.0 * (h[k] * pace[k - 1] + h[k - 1] * pace[k])
-    velocities: FloatArray = np.linalg.solve(matrix, right)
+    velocities: FloatArray = np.linalg.solve(matrix, right).astype(np.float64)
     return velocities
 
 

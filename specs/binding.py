@@ -14,7 +14,7 @@ from specs.blame import told
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
 from specs.reading import Document, Path_
-from specs.task import SubTask, TaskSpec
+from specs.task import Background, SubTask, TaskSpec
 
 FIELD = ("claims", "unit", "begin", "torque", "error")  # the parts of a field
 OWN_KEYS = {*SubTask.model_fields, "primitive"}  # of a step of a task; the rest is its primitive's
@@ -185,8 +185,10 @@ def _check_limp(spec: TaskSpec, document: Document) -> None:
     """A limp limb takes its weight back from compensate-gravity, so there must be that."""
     if any(isinstance(b.does, CompensateGravity) for b in spec.background):
         return
-    steps = [(("background", i), b) for i, b in enumerate(spec.background)]
-    steps += [(("subtasks", i), s) for i, s in enumerate(spec.subtasks)]
+    steps: list[tuple[Path_, Background | SubTask]] = [
+        *((("background", i), b) for i, b in enumerate(spec.background)),
+        *((("subtasks", i), s) for i, s in enumerate(spec.subtasks)),
+    ]
     for path, step in steps:
         if isinstance(step.does, Relax) and step.does.limp:
             raise document.error(

@@ -24,7 +24,7 @@ from primitives import (
 )
 from primitives.primitive import NO_JOINTS
 from primitives.testing import Conformance, check_primitive
-from sim import Body
+from sim import Body, planar_arm
 from specs.available import BUILT_IN
 
 ROOT = Path(__file__).parents[2]
@@ -35,13 +35,13 @@ OWN = [
     GetPosture(limb="right_arm", posture=OUT, controller="torque-field"),
     GetPosture(limb="right_arm", posture=OUT, controller="torque-field", coupled=True),
     GoToPoint(limb="left_arm", to={"point": (0.4, 0.1, 0.3)}),
-    Follow(limb="right_arm", to={"hand": "left_arm", "offset": (0.2, -0.1, 0.3)}),
+    Follow(limb="right_arm", to={"hand": "left_arm", "offset": (0.25, -0.2, 0.35)}),
     Follow(
         limb="right_arm",
         trajectory={"times": [0, 1, 2], "points": [[0.3, -0.1, 0.2], [0.4, 0, 0.3], [0.3, 0, 0.2]]},
     ),
     PointAt(limb="left_arm", at={"point": (1.0, 0.5, 0.4)}),
-    LookAt(at="left_shoulder.top"),
+    LookAt(at={"near": "left_shoulder.top", "away": 1.0, "offset": (1.0, 0.0, -0.8)}),
     LookAt(at={"point": (1.0, 0.8, 0.4)}, joints=("waist", "neck")),
     Hold(limb="left_arm"),
     Relax(limb="left_arm"),
@@ -58,6 +58,11 @@ def test_our_own_conform(body: Body, primitive: Primitive) -> None:
     assert isinstance(found, Conformance)
     if isinstance(primitive, PASSIVE):
         assert found.passive
+
+
+@pytest.mark.parametrize("primitive", [Hold(joints=("all",)), Relax(joints=("elbow",))])
+def test_they_conform_on_another_body(primitive: Primitive) -> None:
+    assert check_primitive(primitive, planar_arm()).passive
 
 
 def test_none_of_our_own_is_left_out() -> None:
@@ -178,7 +183,8 @@ def test_a_broken_one_is_caught(body: Body, primitive: Primitive, said: str) -> 
 
 def test_a_field_that_lacks_a_part_is_told_which(body: Body) -> None:
     class Nothing(Tried):
-        field: ClassVar[type] = lambda body: object()
+        def bind(self, body: Body, duration: float):
+            return object()
 
     with pytest.raises(AssertionError, match="lacks claims, unit, begin, torque, error"):
         check_primitive(Nothing(), body)

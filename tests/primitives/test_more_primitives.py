@@ -133,7 +133,7 @@ def test_the_judge_sees_what_was_not_done(body: Body) -> None:
         """
   - {name: behind, primitive: look-at, at: {point: [-1, 0.1, 0.4]}}
   - {name: brief, primitive: point-at, limb: left_arm, at: {point: [1, 1, 0.5]}, seconds: 0.08}
-  - {name: loose, primitive: relax, limb: right_arm, limp: true, seconds: 0.05, after: [raise]}
+  - {name: loose, primitive: relax, limb: right_arm, limp: true, seconds: 0.3, after: [raise]}
   - {name: raise, primitive: get-posture, limb: right_arm, after: [],
      posture: {arm: right, palm: down}}
   - {name: yield, primitive: hold, limb: left_arm, stiffness: 0.1, after: [brief]}
@@ -169,8 +169,8 @@ def test_a_relaxed_arm_floats_and_a_limp_one_falls(body: Body) -> None:
 def test_reached_is_when_it_is_reached(body: Body) -> None:
     (recording,) = run(
         """
-  - {name: look, primitive: look-at, at: left_shoulder.top, seconds: 0.1, settle: 1, done: reached,
-     tolerance: 0.03, timeout: 3}
+  - {name: look, primitive: look-at, at: {point: [0.5, 0.4, 0.3]}, seconds: 0.1, settle: 1,
+     done: reached, tolerance: 0.03, timeout: 3}
   - {name: catch, primitive: follow, limb: left_arm, seconds: 0.1, done: reached, tolerance: 0.02,
      timeout: 5, trajectory: {times: [0, 2], points: [[0.3, 0.4, 0.2], [0.4, 0.1, 0.3]]}}
   - {name: stay, primitive: hold, limb: left_arm, seconds: 0.2, done: reached, tolerance: 0.1,
@@ -188,7 +188,7 @@ def test_in_a_batch_each_does_what_it_does_alone(body: Body) -> None:
   - {name: watch, primitive: look-at, at: {hand: left_arm}, after: [], seconds: 0.4}
   - {name: follow, primitive: follow, limb: right_arm, after: [], seconds: 0.3,
      trajectory: {times: [0, 0.3], points: [[0.4, -0.3, 0.2], [0.4, -0.2, 0.3]]}}
-  - {name: drop, primitive: relax, limb: left_arm, limp: true, seconds: 0.2}
+  - {name: drop, primitive: relax, limb: left_arm, limp: true, seconds: 0.2, after: [point]}
   - {name: stay, primitive: hold, limb: right_arm, after: [follow], seconds: 0.2}
 """
     start = np.tile(body.home, (3, 1))
