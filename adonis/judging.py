@@ -12,8 +12,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from adonis.aims import Aims
 from adonis.judging_rhythm import asked_rhythms, off_rhythm, off_swing
-from primitives import GetPosture, GoToPoint, Oscillate, Place, Primitive
+from primitives import (
+    Follow,
+    GetPosture,
+    GoToPoint,
+    Hold,
+    LookAt,
+    Oscillate,
+    Place,
+    PointAt,
+    Primitive,
+    Relax,
+)
+from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
 from specs import Background, SubTask, TaskSpec, task_from_text
 
@@ -26,9 +39,16 @@ PALM_ANGLE = 15.0  # palm of a posture [deg]
 RHYTHM_FREQUENCY = 3.0  # of a joint that swings [% of what was asked]
 RHYTHM_AMPLITUDE = 20.0  # in any cycle [% of what was asked]
 RHYTHM_LAG = 20.0  # of a joint behind the first [deg]
+GAZE = 5.0  # between where the face points and the goal [deg]
+POINTING = 5.0  # between the arm and the goal, seen from the shoulder [deg]
+DRIFT = 5.0  # of any joint that is to stay where it was [deg]
+TRACKING_RMS = 0.02  # palm to moving point, once it has caught up [m]
+TRACKING_AT_END = 0.02  # and when the time is over [m]
+RELAXED = 1.0  # speed of any joint of a relaxed limb, when its time is over [rad/s]
 PENETRATION = 0.005  # of any two geoms, at any step [m]
 HAND_OVER_STEP = 0.10  # change of a joint's torque in 2 ms, as a share of its limit
 UPRIGHT = 5.0  # joints that no sub-task moves [deg]
+HEAD = "head"  # the joints that turn it, in a list of what a sub-task moves
 
 
 @dataclass(frozen=True)
@@ -160,6 +180,7 @@ class _Measuring:
     def __init__(self, recording: Recording, names: BodyMap) -> None:
         self.recording, self.names = recording, names
         self.replay = Replay(recording)
+        self.aims = Aims(self.replay, names)
 
     # --- sub-tasks -------------------------------------------------------------------------
 
@@ -175,6 +196,45 @@ class _Measuring:
             return self._posture(does, end, held)
         if isinstance(does, Oscillate):
             return self._rhythm(does, span.start, span.end, task, does.joints)
+        return self._aim(does, span, end, held, task.duration(subtask))
+
+    def _aim(
+        self, does: Primitive, span: Span, end: int, held: int, duration: float
+    ) -> list[Measure]:
+        """Of look-at, point-at, follow, hold and relax; nothing of a primitive of one's own."""
+        after = slice(end, held + 1)
+        match does:
+            case LookAt():
+                return [Measure("gaze", float(self.aims.gaze(does)[after].max()), GAZE, "deg")]
+            case PointAt():
+                straight = {self.names.limbs[does.limb].elbow: 0.0}
+                off = float(self.aims.pointing(does)[after].max())
+                return [
+                    Measure("arm to goal", off, POINTING, "deg"),
+                    self._angles(straight, after),
+                ]
+            case Follow():
+                distance = self.aims.tracking(does, span.start)
+                caught = self.recording.row(span.start + settling(does.settle, duration))
+                rms = float(np.sqrt(np.mean(distance[min(caught, end) : end + 1] ** 2)))
+                return [
+                    Measure("palm to moving point, rms", rms, TRACKING_RMS, "m"),
+                    Measure("at the end", float(distance[end]), TRACKING_AT_END, "m"),
+                ]
+            case Hold():
+                began = self.recording.row(span.start)
+                own = self._joints(does.limb or does.joints or ())
+                was = {j: float(np.rad2deg(self.replay.angle(j)[began])) for j in own}
+                drift = self._angles(was, slice(began, held + 1))
+                return [Measure("drift", drift.value, DRIFT, "deg", drift.where)]
+            case Relax():
+                own = self._joints(does.limb or does.joints or ())
+                speed = {
+                    j: float(np.abs(self.recording.qvel[after, self.replay.dof(j)]).max())
+                    for j in own
+                }
+                worst = max(speed, key=speed.__getitem__)
+                return [Measure("joint speed", speed[worst], RELAXED, "rad/s", worst)]
         return []
 
     def _reach(self, does: GoToPoint, end: int, held: int) -> list[Measure]:
@@ -319,6 +379,9 @@ class _Measuring:
         ]
         taken = {j for s in task.subtasks for j in self._joints(claimed(s))}
         moved = taken | {j for s in (*task.background, *task.subtasks) for j in _swinging(s.does)}
+        for beside in task.background:
+            if isinstance(beside.does, LookAt | Relax):
+                moved |= self._joints(_moved_by(beside.does))
         still = [j for group in self.names.upright for j in self.names.groups[group]]
         home = self.names.postures[self.names.home]
         off = {
@@ -368,6 +431,8 @@ class _Measuring:
                 found |= set(self.names.limbs[name].joints)
             elif name in self.names.groups:
                 found |= set(self.names.groups[name])
+            elif name == HEAD and self.names.head is not None:
+                found |= self._joints(self.names.head.joints)
             elif name == "all":
                 found |= set(self.names.servos)
             elif self._is_joint(name):
@@ -397,10 +462,15 @@ def claimed(subtask: Background | SubTask) -> Sequence[str]:
 
     A primitive of the user's own may mean something else by those parameters.
     """
-    does = subtask.does
+    return _moved_by(subtask.does)
+
+
+def _moved_by(does: Primitive) -> Sequence[str]:
     if isinstance(does, Oscillate):
         return _swinging(does) if does.claims else ()
     limb, joints = getattr(does, "limb", None), getattr(does, "joints", None)
+    if isinstance(does, LookAt) and does.joints is None:
+        return (HEAD,)
     if isinstance(limb, str):
         return (limb,)
     listed = joints if isinstance(joints, list | tuple) else ()

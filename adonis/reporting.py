@@ -16,7 +16,7 @@ from adonis.errors import OutputError
 from adonis.judging import Judgement, judge, torque_steps
 from adonis.plotting import plot_hand_speed, plot_torque
 from adonis.transitions import transitions
-from primitives import GoToPoint
+from primitives import Follow, GoToPoint
 from sim import (
     BodyMap,
     Closest,
@@ -199,7 +199,7 @@ def clearance(recording: Recording, spec: TaskSpec) -> Closest:
     meant = set()
     for subtask in spec.subtasks:
         does = subtask.does
-        if isinstance(does, GoToPoint) and isinstance(does.to, str):
+        if isinstance(does, GoToPoint | Follow) and isinstance(does.to, str):
             meant.add((names.limbs[does.limb].hand, replay.link_of_site(does.to)))
     pairs = [p for p in names.keep_apart if p not in meant and p[::-1] not in meant]
     return replay.clearance(pairs)

@@ -93,7 +93,7 @@ def walk(
                     if field.kind == PLAIN:
                         error = plain_error[field.row]
                     else:
-                        error = field_error(table, backgrounds + k, x)
+                        error = field_error(table, backgrounds + k, x, memory[backgrounds + s])
                     end = time
                     if error <= node.tolerance:
                         outcome = DONE

@@ -29,6 +29,8 @@ from sim import Body, State
 class CompiledField(ABC):
     """A bound primitive that is rows of a table; also usable by itself as a `Field`."""
 
+    passive: bool = False  # see `Primitive.passive`
+
     def __init__(self, body: Body, claims: IntArray, unit: str) -> None:
         self.claims = claims
         self.unit = unit
@@ -41,28 +43,27 @@ class CompiledField(ABC):
 
     def begin(self, state: State, who: BoolArray) -> None:
         """Remember what is needed of the simulations `who` (n,) in which it is switched on."""
-        alone = self._table()
-        if alone.memory.shape[0] != state.n:
-            alone.memory = np.zeros((state.n, memory_size(alone.table)))
+        alone = self._table(state.n)
         _begin(*alone.seen(state), who, alone.memory)
 
     def torque(self, state: State, t: FloatArray) -> FloatArray:
         """Torques (n, nv) [N m], t (n,) [s] after being switched on."""
-        alone, out = self._table(), np.zeros((state.n, self._body.nv))
+        alone, out = self._table(state.n), np.zeros((state.n, self._body.nv))
         _torque(*alone.seen(state), alone.memory, t, NO_TOUCH, alone.room, out)
         return out
 
     def error(self, state: State) -> FloatArray:
         """Distance (n,) from the goal, in `unit`."""
-        alone, out = self._table(), np.zeros(state.n)
-        _error(*alone.seen(state), out)
+        alone, out = self._table(state.n), np.zeros(state.n)
+        _error(*alone.seen(state), alone.memory, out)
         return out
 
-    def _table(self) -> "_Alone":
+    def _table(self, n: int) -> "_Alone":
         if self._alone is None:
             builder = TableBuilder(self._body.nv)
             self.add_to(builder)
             self._alone = _Alone(self._body, builder.build())
+        self._alone.make_room(n)
         return self._alone
 
 
@@ -74,6 +75,11 @@ class _Alone:
         self.links, self.dofs = link_table(body), dof_table(body)
         self.memory = np.zeros((0, memory_size(table)))
         self.room = make_scratch(table, 1)
+
+    def make_room(self, n: int) -> None:
+        """Memory for n simulations; what was remembered of another number of them is forgotten."""
+        if len(self.memory) != n:
+            self.memory = np.zeros((n, self.memory.shape[1]))
 
     def seen(self, s: State) -> tuple[object, ...]:
         """The table, and the simulations as a compiled function wants them."""
@@ -118,10 +124,10 @@ def torque_all(
 
 
 @compiled
-def error_all(table: FieldTable, x: Row, out: FloatArray) -> None:
+def error_all(table: FieldTable, x: Row, memory: FloatArray, out: FloatArray) -> None:
     """`field_error` in all simulations."""
     for i in range(len(x.qpos)):
-        out[i] = field_error(table, 0, one_of(x, i))
+        out[i] = field_error(table, 0, one_of(x, i), memory[i])
 
 
 def _make(code: str) -> tuple[Callable[..., None], Callable[..., None], Callable[..., None]]:
@@ -138,9 +144,9 @@ def _make(code: str) -> tuple[Callable[..., None], Callable[..., None], Callable
         torque_all(table, x, memory, t, touches, room, out)
 
     @compiled_entry
-    def error(table, x, out):  # type: ignore[no-untyped-def]
+    def error(table, x, memory, out):  # type: ignore[no-untyped-def]
         len(code)
-        error_all(table, x, out)
+        error_all(table, x, memory, out)
 
     return begin, torque, error
 

@@ -177,7 +177,28 @@ def impedance(
         out: (nv,) [N m]
     """
     force, _ = palm_force(x, r, points, memory, weight, rate)
+    pull_hand(x, r, memory, share, force, out)
 
+
+@compiled
+def pull_hand(
+    x: Row,
+    r: Record,
+    memory: FloatArray,
+    share: float,
+    force: tuple[float, float, float],
+    out: FloatArray,
+) -> None:
+    """out += the torques [N m] of a force on the palm, and of what turns hand and upper arm.
+
+    Args:
+        x: the simulation.
+        r: a row of REACH.
+        memory: what `begin_reach` remembered (REMEMBERED,).
+        share: how much of the movement's time has passed.
+        force: on the palm, in the world [N].
+        out: (nv,) [N m]
+    """
     # The moment that turns the palm: at first as it was on the forearm, in the end as the
     # goal has it. The fingers stay in line with the forearm unless the goal says otherwise.
     late = minimum_jerk((share - PALM_WAITS) / (1.0 - PALM_WAITS))

@@ -46,6 +46,14 @@ GAINS = ("stiffness", "damping")  # of every controller, in units of its own
 # Time in which something in the background moves its set point from where the body is [s].
 BACKGROUND_SETTLING = 0.5
 
+SETTLE = 0.5  # time in which look-at, point-at and follow set in, unless told otherwise [s]
+MOST_OF_IT = 0.85  # and the share of their own time that this may take
+
+
+def settling(asked: float, duration: float) -> float:
+    """Time in which something sets in that has `duration` in all [s]."""
+    return min(asked, MOST_OF_IT * duration)
+
 
 def check_own(controller: Controller, given: set[str]) -> None:
     """Refuse parameters that the controller does not have.

@@ -81,6 +81,7 @@ class PostureField(CompiledField):
         miss: float = 0.0,
     ) -> None:
         super().__init__(body, claims, unit="rad")
+        self.passive = not gains.coupled  # coupled wells are no gradient unless all are alike
         self.goal = postures[-1]  # (nv,) [rad]
         self._postures = np.nan_to_num(postures)
         self.controller = controller

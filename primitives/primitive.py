@@ -58,6 +58,10 @@ class Primitive(BaseModel):
     # Parameters that name the part of the body which a report lists as the limb.
     limb_parameters: ClassVar[Sequence[str]] = ("limb", "joints")
 
+    # Whether it only stores and dissipates energy once its set point has arrived: around a closed
+    # path of its joints it does no work on the body. A field of one's own has it instead.
+    passive: ClassVar[bool] = False
+
     def at_tempo(self, tempo: float) -> Self:
         """The same with whatever it says in beats said in seconds; tempo in beats per minute.
 
@@ -96,6 +100,7 @@ class PlainField:
 
     def __init__(self, primitive: Primitive) -> None:
         self._primitive = primitive
+        self.passive = primitive.passive
 
     def begin(self, state: State, who: BoolArray) -> None:
         """Nothing to remember."""

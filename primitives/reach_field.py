@@ -57,7 +57,7 @@ class ReachField(CompiledField):
         super().__init__(body, arm.dofs, unit="m")
         self.places = goal.places  # via points and goal
         self._arm, self._goal, self._controller = arm, goal, controller
-        self._reach = _reach(arm, body.palm_at_home(arm), goal, gains)
+        self._reach = hand_springs(arm, body.palm_at_home(arm), goal, gains)
         self._profile, self._times, self._duration = profile, times, duration
 
     def too_far(self) -> float:
@@ -106,10 +106,10 @@ class ReachField(CompiledField):
         )
 
 
-def _reach(
+def hand_springs(
     arm: Arm, neutral: FloatArray, goal: HandGoal, gains: dict[str, float | None]
 ) -> Records:
-    """A row of REACH."""
+    """A row of REACH: an arm, how its hand is to be turned, and the gains."""
     reach = np.zeros(1, dtype=REACH)
     reach["hand"], reach["upper_arm"], reach["forearm"] = arm.hand, arm.upper_arm, arm.forearm
     reach["root"], reach["palm"], reach["palm_normal"] = arm.root, arm.palm.point, arm.palm.normal

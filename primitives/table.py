@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 
 from primitives.compiled import Record, Records, compiled
 from primitives.endpoint_force import endpoint_force
-from primitives.gravity import carry_weight
-from primitives.impedance import POINT, REACH, REMEMBERED, begin_reach, impedance, palm_position
+from primitives.gaze import begin_gaze, gaze, gaze_error, looking_at
+from primitives.gravity import carry_weight, hang_loose
+from primitives.impedance import POINT, REACH, begin_reach, impedance, palm_position, pull_hand
 from primitives.mechanics import Row, dot, subtract, to_world, vector
 from primitives.oscillator import JOINTS, REMEMBERS, begin_rhythm, rhythm
 from primitives.pd_servo import pd_servo
+from primitives.pointing import begin_pointing, point_arm, pointing_at, pointing_error
 from primitives.profiles import minimum_jerk
+from primitives.pursuit import SINCE, moving_point, pursuit_error, pursuit_force
 from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR, TOUCH, repel
 from primitives.set_point import (
     MOST_KNOTS,
@@ -32,10 +35,12 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 PLAIN, PD_SERVO, TORQUE_FIELD, IMPEDANCE, ENDPOINT_FORCE, GUARDING, WEIGHT, RHYTHM = range(8)
+GAZE, POINT_ARM, PURSUIT, LOOSE = range(8, 12)
 
 # `row` is where the field's own numbers begin: in `numbers` (PD_SERVO, TORQUE_FIELD, WEIGHT,
-# RHYTHM), `reaches` (IMPEDANCE, ENDPOINT_FORCE), `guards` (GUARDING), or its place among the plain
-# fields (PLAIN).
+# RHYTHM, GAZE, POINT_ARM, LOOSE), `reaches` (IMPEDANCE, ENDPOINT_FORCE, PURSUIT), `guards`
+# (GUARDING), or its place among the plain fields (PLAIN). A PURSUIT keeps a trajectory of `knots`
+# points in `numbers`, from `curve` on.
 FIELD = np.dtype(
     [
         *(("kind", np.int32), ("row", np.int32), ("curve", np.int32), ("knots", np.int32)),
@@ -159,7 +164,7 @@ class TableBuilder:
 
 def memory_size(table: FieldTable) -> int:
     """How many numbers a field may remember per simulation."""
-    most: int = max(table.claims.shape[1], REMEMBERED)
+    most: int = max(table.claims.shape[1], SINCE + 1)
     for field in table.fields:
         if field["kind"] == RHYTHM:
             joints = int(table.numbers[field["row"] + JOINTS])
@@ -179,6 +184,53 @@ def begin_field(table: FieldTable, f: int, x: Row, memory: FloatArray) -> None:
         begin_reach(x, table.reaches[field.row], memory)
     elif field.kind == RHYTHM:
         begin_rhythm(x, table.numbers[field.row :], memory)
+    elif field.kind == PURSUIT:
+        begin_reach(x, table.reaches[field.row], memory)
+        memory[SINCE] = 0.0
+    elif field.kind == GAZE:
+        begin_gaze(x, looking_at(table.numbers[field.row :]), memory)
+    elif field.kind == POINT_ARM:
+        begin_pointing(x, pointing_at(table.numbers[field.row :]), memory)
+
+
+@compiled
+def add_movement(
+    table: FieldTable,
+    f: int,
+    x: Row,
+    memory: FloatArray,
+    share: float,
+    scratch: Scratch,
+    out: FloatArray,
+) -> None:
+    """`add_torque` of a field that moves through knots, at a share of its time."""
+    field = table.fields[f]
+    nv, knots = out.shape[0], field.knots
+    times = table.numbers[field.curve : field.curve + knots]
+    at = field.curve + knots
+    coefficients = table.numbers[at : at + (knots - 1) * POWERS * knots]
+    weight, rate = scratch.weight[:knots], scratch.rate[:knots]
+    if field.kind == TORQUE_FIELD:
+        own = table.numbers[field.row : field.row + nv * (knots + 2) + knots - 1]
+        goal, rest = nv * (knots + 1), nv * (knots + 2)
+        weigh_wells(share, times, own[rest + 1 :], weight)
+        torque_field(
+            x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv : goal], own[goal:rest],
+            own[rest] != 0.0, weight, scratch.angles, out,
+        )  # fmt: skip
+        return
+    weigh_knots(share, times, coefficients, weight, rate)
+    for k in range(knots):
+        rate[k] /= field.duration
+    if field.kind == PD_SERVO:
+        own = table.numbers[field.row : field.row + nv * (knots + 1)]
+        pd_servo(x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv :], weight, rate, out)
+    elif field.kind == IMPEDANCE:
+        reach = table.reaches[field.row]
+        impedance(x, reach, table.points, memory, share, weight, rate, out)
+    else:
+        reach = table.reaches[field.row]
+        endpoint_force(x, reach, table.points, memory, weight, rate, out)
 
 
 @compiled
@@ -207,33 +259,25 @@ def add_torque(
     field = table.fields[f]
     nv = out.shape[0]
     knots = field.knots
-    if knots:
-        times = table.numbers[field.curve : field.curve + knots]
-        at = field.curve + knots
-        coefficients = table.numbers[at : at + (knots - 1) * POWERS * knots]
-        weight, rate = scratch.weight[:knots], scratch.rate[:knots]
-        share = t / field.duration
-        if field.kind == TORQUE_FIELD:
-            own = table.numbers[field.row : field.row + nv * (knots + 2) + knots - 1]
-            goal, rest = nv * (knots + 1), nv * (knots + 2)
-            weigh_wells(share, times, own[rest + 1 :], weight)
-            torque_field(
-                x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv : goal], own[goal:rest],
-                own[rest] != 0.0, weight, scratch.angles, out,
-            )  # fmt: skip
-            return
-        weigh_knots(share, times, coefficients, weight, rate)
-        for k in range(knots):
-            rate[k] /= field.duration
-        if field.kind == PD_SERVO:
-            own = table.numbers[field.row : field.row + nv * (knots + 1)]
-            pd_servo(x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv :], weight, rate, out)
-        elif field.kind == IMPEDANCE:
-            reach = table.reaches[field.row]
-            impedance(x, reach, table.points, memory, share, weight, rate, out)
-        else:
-            reach = table.reaches[field.row]
-            endpoint_force(x, reach, table.points, memory, weight, rate, out)
+    if field.kind == GAZE:
+        looking = looking_at(table.numbers[field.row :])
+        gaze(x, looking, table.claims[f], memory, t / field.duration, out)
+    elif field.kind == POINT_ARM:
+        pointing = pointing_at(table.numbers[field.row :])
+        point_arm(x, pointing, memory, t / field.duration, out)
+    elif field.kind == PURSUIT:
+        reach = table.reaches[field.row]
+        memory[SINCE] = t
+        place, velocity = moving_point(
+            x, reach, table.points, table.numbers[field.curve :], knots, t
+        )
+        force = pursuit_force(x, reach, place, velocity, memory, t, field.duration)
+        pull_hand(x, reach, memory, t / field.duration, force, out)
+    elif field.kind == LOOSE:
+        own = table.numbers[field.row : field.row + nv + 3]
+        hang_loose(x, own[:nv], own[nv:], table.claims[f], scratch.angles, out)
+    elif field.kind in (PD_SERVO, TORQUE_FIELD, IMPEDANCE, ENDPOINT_FORCE):
+        add_movement(table, f, x, memory, t / field.duration, scratch, out)
     elif field.kind == GUARDING:
         guard = table.guards[field.row]
         repel(
@@ -247,8 +291,11 @@ def add_torque(
 
 
 @compiled
-def field_error(table: FieldTable, f: int, x: Row) -> float:
-    """Distance of field f from its goal: largest joint error [rad], palm to goal [m], else 0."""
+def field_error(table: FieldTable, f: int, x: Row, memory: FloatArray) -> float:
+    """Distance of field f from its goal: largest joint error or angle [rad], palm to goal [m].
+
+    A servo whose movement never ends stays where it began. NaN if the field has no goal.
+    """
     field = table.fields[f]
     nv = x.qvel.shape[0]
     if field.kind in (PD_SERVO, TORQUE_FIELD):
@@ -256,14 +303,24 @@ def field_error(table: FieldTable, f: int, x: Row) -> float:
         worst = 0.0
         for j in range(nv):
             if table.claims[f, j]:
-                worst = max(worst, abs(x.qpos[x.dofs[j].qpos] - goal[j]))
+                wanted = memory[j] if np.isinf(field.duration) else goal[j]
+                worst = max(worst, abs(x.qpos[x.dofs[j].qpos] - wanted))
         return worst
     if field.kind in (IMPEDANCE, ENDPOINT_FORCE):
         reach = table.reaches[field.row]
         p = table.points[reach.points + field.knots - 2]
         gap = subtract(to_world(x, p.link, vector(p.point)), palm_position(x, reach))
         return float(np.sqrt(dot(gap, gap)))
-    return 0.0
+    if field.kind == PURSUIT:
+        reach = table.reaches[field.row]
+        knots = table.numbers[field.curve :]
+        place, _ = moving_point(x, reach, table.points, knots, field.knots, memory[SINCE])
+        return pursuit_error(x, reach, place)
+    if field.kind == GAZE:
+        return gaze_error(x, looking_at(table.numbers[field.row :]))
+    if field.kind == POINT_ARM:
+        return pointing_error(x, pointing_at(table.numbers[field.row :]))
+    return np.nan
 
 
 @compiled

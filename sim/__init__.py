@@ -2,8 +2,9 @@
 
 from sim.bodies import BODIES, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
-from sim.body_map import BodyMap, Limb, Servo, Spring
+from sim.body_map import BodyMap, Head, Limb, Servo, Spring
 from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
+from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.motions import Motion, inverse_dynamics, site_paths, straight_motion
 from sim.planar_arm import planar_arm
 from sim.posing import ArmWords, pose
@@ -28,6 +29,8 @@ __all__ = [
     "Closest",
     "Diverged",
     "Frame",
+    "Gaze",
+    "Head",
     "Limb",
     "Motion",
     "NoDisplay",
@@ -46,8 +49,11 @@ __all__ = [
     "State",
     "World",
     "adonis",
+    "carrier",
+    "find_gaze",
     "inverse_dynamics",
     "load_body",
+    "moving_dofs",
     "planar_arm",
     "pose",
     "reach",

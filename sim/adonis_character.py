@@ -27,6 +27,7 @@ TROUSERS = (0.20, 0.21, 0.25, 1.0)
 DARK = (0.13, 0.10, 0.09, 1.0)
 FRICTION = 0.2  # clothed skin on skin
 SOFTNESS = [0.02, 1.0]  # of flesh in contact: time constant [s] and damping ratio
+EYES = (0.094, 0.0, 0.64)  # between them: forward [m], left, up [lengths of the head]
 SIDES = {"right": -1.0, "left": 1.0}
 
 # Range [deg], torque limit [N m] (joint torque bounds of the BSD-licensed human.urdf),
@@ -251,8 +252,8 @@ class _Builder:
         self._capsule(head, "neck", (-0.005, 0, 0.02), (0.0, 0, 0.40 * length), 0.047, SKIN)
         for name, pos, size, color in (
             ("nose", (0.104, 0, 0.53 * length), 0.013, SKIN),
-            ("right_eye", (0.094, -0.026, 0.64 * length), 0.010, DARK),
-            ("left_eye", (0.094, 0.026, 0.64 * length), 0.010, DARK),
+            ("right_eye", (EYES[0], -0.026, EYES[2] * length), 0.010, DARK),
+            ("left_eye", (EYES[0], 0.026, EYES[2] * length), 0.010, DARK),
         ):
             self._ornament(head, name, pos, size, color)
         centre = (-0.005, 0.0, crown)

@@ -6,10 +6,10 @@ from functools import partial
 import mujoco
 import numpy as np
 
-from sim.adonis_character import JOINTS, SIDES, build_adonis
+from sim.adonis_character import EYES, JOINTS, SIDES, build_adonis
 from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.body import Body
-from sim.body_map import BodyMap, Limb, Servo, Spring
+from sim.body_map import BodyMap, Head, Limb, Servo, Spring
 from sim.errors import BodyError, unknown
 
 WAIST = ("waist_z", "waist_x", "waist_y")
@@ -73,6 +73,12 @@ def adonis(
             name=name,
             limbs=arms,
             groups={"waist": WAIST, "neck": NECK},
+            head=Head(
+                link="head",
+                forward=(1.0, 0.0, 0.0),
+                eyes=(EYES[0], EYES[1], EYES[2] * person.head.length),
+                joints=("neck",),
+            ),
             landmarks=LANDMARKS,
             postures={"upright": upright, "rest": upright | rest},
             servos=_servos(spec.compile()),

@@ -418,6 +418,10 @@ class Body:
             self.arm(limb)
         for group in self.map.groups:
             self.joints(group)
+        if self.map.head is not None:
+            self.link(self.map.head.link)
+            self.joints(self.map.head.joints)
+            self.direction(self.map.head.forward)
         for landmark in self.map.landmarks:
             self.landmark(landmark)
         for posture in self.map.postures:

@@ -54,12 +54,22 @@ class Limb(_Frozen):
     spring: Spring
 
 
+class Head(_Frozen):
+    """What looks: the link of the head, the way it faces, and the joints that turn it."""
+
+    link: str
+    forward: tuple[float, float, float]  # where the face points, in the link's frame
+    eyes: tuple[float, float, float] = (0.0, 0.0, 0.0)  # between them, in the link's frame [m]
+    joints: Annotated[tuple[str, ...], Field(min_length=1)]  # joints or joint groups
+
+
 class BodyMap(_Frozen):
     """The names a task may use, and what they mean in the model."""
 
     name: str
     limbs: dict[str, Limb]
     groups: dict[str, tuple[str, ...]] = {}  # further joint groups: waist, neck
+    head: Head | None = None  # for a body that can look at something
     landmarks: tuple[str, ...] = ()  # sites on the surface: +x is the outward normal
     postures: dict[str, dict[str, Angle]] = {}  # joint -> angle [deg]
     home: str = "rest"  # the posture a simulation starts in

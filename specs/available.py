@@ -11,10 +11,15 @@ from pathlib import Path
 from primitives import (
     AvoidCollisions,
     CompensateGravity,
+    Follow,
     GetPosture,
     GoToPoint,
+    Hold,
+    LookAt,
     Oscillate,
+    PointAt,
     Primitive,
+    Relax,
 )
 from specs.errors import SpecError
 
@@ -23,6 +28,11 @@ BUILT_IN: tuple[type[Primitive], ...] = (
     GetPosture,
     GoToPoint,
     Oscillate,
+    Follow,
+    PointAt,
+    LookAt,
+    Hold,
+    Relax,
     AvoidCollisions,
     CompensateGravity,
 )

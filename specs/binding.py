@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives import Field, Primitive, PrimitiveError
+from primitives import CompensateGravity, Field, Primitive, PrimitiveError, Relax
 from sim import Body, BodyError
 from specs.blame import told
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
 from specs.groups import check_groups
 from specs.reading import Document, Path_
-from specs.task import SubTask, TaskSpec
+from specs.task import Background, SubTask, TaskSpec
 
 FIELD = ("claims", "unit", "begin", "torque", "error")  # the parts of a field
 OWN_KEYS = {*SubTask.model_fields, "primitive"}  # of a step of a task; the rest is its primitive's
@@ -92,6 +92,7 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     named = dict(zip((b.name for b in spec.background), background, strict=True))
     named |= zip(graph.order, fields, strict=True)
     check_groups(spec.groups, named, document)
+    _check_limp(spec, document)
     start = body.home.copy()
     if spec.start is not None:
         try:
@@ -199,6 +200,23 @@ def _check_goals(
                 f"{name}: 'done: reached' needs a goal, and {subtask.does.kind} has none: the unit"
                 " of its error is empty",
                 (*places[name], "done"),
+            )
+
+
+def _check_limp(spec: TaskSpec, document: Document) -> None:
+    """A limp limb takes its weight back from compensate-gravity, so there must be that."""
+    if any(isinstance(b.does, CompensateGravity) for b in spec.background):
+        return
+    steps: list[tuple[Path_, Background | SubTask]] = [
+        *((("background", i), b) for i, b in enumerate(spec.background)),
+        *((("subtasks", i), s) for i, s in enumerate(spec.subtasks)),
+    ]
+    for path, step in steps:
+        if isinstance(step.does, Relax) and step.does.limp:
+            raise document.error(
+                f"{step.name}: 'limp' takes back the weight that compensate-gravity carries, and"
+                " nothing in the background does: leave it out, the limb falls by itself",
+                (*path, "limp"),
             )
 
 

@@ -6,7 +6,7 @@ from primitives import GoToPoint, Place
 from primitives.posture_field import PostureField
 from primitives.primitive import FloatArray
 from primitives.reach_field import ReachField
-from sim import Arm, Body, PalmGoal, Spot, World, reach
+from sim import Arm, Body, PalmGoal, Spot, World, moving_dofs, reach
 from specs.binding import BoundTask
 
 MISS = 0.015  # a palm that stays farther than this from its goal does not reach it [m]
@@ -44,7 +44,7 @@ def doubts(task: BoundTask) -> list[str]:
 def _miss(task: BoundTask, arm: Arm, goal: Spot, to: str | Place) -> float:
     """By how much a palm misses a goal at best [m]; 0 where that depends on other joints."""
     body = task.body
-    between = _moving(body, goal.link) ^ _moving(body, arm.root)
+    between = moving_dofs(body, goal.link) ^ moving_dofs(body, arm.root)
     if between & set(arm.dofs.tolist()):
         return _miss_itself(body, arm, goal)
     if between & _away(task):
@@ -59,18 +59,6 @@ def _miss(task: BoundTask, arm: Arm, goal: Spot, to: str | Place) -> float:
         if least <= MISS:
             break
     return least
-
-
-def _moving(body: Body, link: int) -> set[int]:
-    """The degrees of freedom that move a link."""
-    model, found = body.model, set()
-    while link and not model.body_dofnum[link]:
-        link = int(model.body_parentid[link])
-    dof = int(model.body_dofadr[link] + model.body_dofnum[link] - 1) if link else -1
-    while dof >= 0:
-        found.add(dof)
-        dof = int(model.dof_parentid[dof])
-    return found
 
 
 def _away(task: BoundTask) -> set[int]:
