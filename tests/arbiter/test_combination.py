@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from adonis.dancing import run_task
+from adonis.dancing import random_start, run_task
 from arbiter import Arbiter, ArbiterError
 from primitives import CompensateGravity, GetPosture, GoToPoint
 from sim import Body, State, World
@@ -270,3 +270,51 @@ def test_two_parallel_springs_rest_where_their_stiffness_says(body: Body) -> Non
     (a, k), (b, m) = springs.values()
     expected = (k * np.array(a) + m * np.array(b)) / (k + m)
     assert np.linalg.norm(local - expected) < 1e-4
+
+
+def test_energy_never_grows_with_passive_fields_alone(body: Body) -> None:
+    """Kinetic energy and that of every spring, from random starts: H(t) <= H(earlier)."""
+    n, dofs = 6, np.arange(body.nv)
+    servo = GetPosture(joints=("all",), posture="rest", stiffness=15.0, damping=0.6)
+    wells = GetPosture(
+        controller="torque-field", joints=("right_arm", "left_arm"), posture="rest",
+        stiffness=8.0, width=0.7, damping=0.2,
+    )  # fmt: skip
+    spec = TaskSpec(
+        task="passive",
+        background=(
+            Background(name="servo", does=servo),
+            Background(name="wells", does=wells),
+            Background(name="weight", does=CompensateGravity()),
+        ),
+        subtasks=(
+            SubTask(
+                name="wait",  # a task needs something to do
+                does=GetPosture(
+                    joints=("neck_z",), posture={"neck_z": 0}, stiffness=1e-6, damping=0.0
+                ),
+                seconds=1000.0,
+            ),
+        ),
+    )
+    task = bind_task(spec, body)
+    start = random_start(body, task.start, n, seed=4)
+    world, arbiter = World(body, n, inertia=True), Arbiter(task, n)
+    world.reset(start)
+    goal = body.posture("rest")
+    arms = body.joints(("right_arm", "left_arm"))
+    free = np.setdiff1d(dofs, body.joints("neck_z"))
+    energies = []
+    for step_ in range(5000):
+        if step_ % 50 == 0 and step_ >= 300:  # by then the set points have arrived
+            v, e = world.state.qvel, world.state.qpos[:, body.qpos_of_dof] - goal
+            kinetic = 0.5 * np.einsum("ni,nij,nj->n", v, body.inertia(world.state.M), v)
+            springs = 0.5 * 15.0 * np.sum(e[:, free] ** 2, axis=1)
+            wells_ = 8.0 * 0.7**2 * np.sum(1 - np.exp(-(e[:, arms] ** 2) / (2 * 0.7**2)), axis=1)
+            energies.append(kinetic + springs + wells_)
+        world.step(arbiter.torque(world.state))
+    energy = np.array(energies)
+    assert energy[0].min() > 1.0
+    growth = np.diff(energy, axis=0) / energy[0]
+    assert growth.max() < 1e-3
+    assert np.all(energy[-1] < 0.01 * energy[0])
