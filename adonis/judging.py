@@ -6,14 +6,14 @@ mistakes.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from adonis.aims import Aims
 from adonis.judging_rhythm import asked_rhythms, off_rhythm, off_swing
+from adonis.verdicts import HEAD, Judgement, Measure, Verdict, claimed, moved_by, swinging
 from primitives import (
     Follow,
     GetPosture,
@@ -28,7 +28,7 @@ from primitives import (
 )
 from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
-from specs import Background, SubTask, TaskSpec, task_from_text
+from specs import SubTask, TaskSpec, task_from_text
 
 FloatArray = NDArray[np.float64]
 
@@ -48,96 +48,6 @@ RELAXED = 1.0  # speed of any joint of a relaxed limb, when its time is over [ra
 PENETRATION = 0.005  # of any two geoms, at any step [m]
 HAND_OVER_STEP = 0.10  # change of a joint's torque in 2 ms, as a share of its limit
 UPRIGHT = 5.0  # joints that no sub-task moves [deg]
-HEAD = "head"  # the joints that turn it, in a list of what a sub-task moves
-
-
-@dataclass(frozen=True)
-class Measure:
-    """One thing that was measured, against what is allowed."""
-
-    what: str
-    value: float
-    limit: float
-    unit: str
-    where: str = ""
-
-    @property
-    def success(self) -> bool:
-        """Whether the value is within its limit."""
-        return bool(self.value <= self.limit)
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "what": self.what,
-            "value": _finite(self.value),
-            "limit": self.limit,
-            "unit": self.unit,
-            "where": self.where,
-            "success": self.success,
-        }
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What became of one sub-task."""
-
-    subtask: SubTask
-    span: Span
-    measures: tuple[Measure, ...]
-
-    @property
-    def success(self) -> bool:
-        """It came to it, it ended in time, and everything measured is within its limit."""
-        return self.span.outcome == "done" and all(m.success for m in self.measures)
-
-    @property
-    def worst(self) -> Measure | None:
-        """The measure that is nearest to its limit, or furthest beyond."""
-        return max(self.measures, key=_ratio, default=None)
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        does, worst = self.subtask.does, self.worst
-        limb = ", ".join(claimed(self.subtask) or _swinging(self.subtask.does))
-        return {
-            "name": self.subtask.name,
-            "words": self.subtask.words,
-            "primitive": does.kind,
-            "controller": getattr(does, "controller", None),
-            "limb": limb or None,
-            "start": _finite(self.span.start),
-            "end": _finite(self.span.end),
-            "outcome": self.span.outcome,
-            "error": _finite(worst.value) if worst else None,
-            "tolerance": worst.limit if worst else None,
-            "unit": worst.unit if worst else None,
-            "success": self.success,
-            "measures": [m.as_dict() for m in self.measures],
-        }
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """A whole run: its sub-tasks, and what must hold all the time."""
-
-    verdicts: tuple[Verdict, ...]
-    checks: tuple[Measure, ...]
-    complete: bool
-
-    @property
-    def success(self) -> bool:
-        """Every sub-task succeeded, every check holds, and the run came to its end."""
-        return (
-            self.complete
-            and all(v.success for v in self.verdicts)
-            and all(c.success for c in self.checks)
-        )
-
-    @property
-    def passed(self) -> int:
-        """How many sub-tasks succeeded."""
-        return sum(v.success for v in self.verdicts)
 
 
 def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
@@ -378,10 +288,10 @@ class _Measuring:
             self._hand_over(task, spans, limits),
         ]
         taken = {j for s in task.subtasks for j in self._joints(claimed(s))}
-        moved = taken | {j for s in (*task.background, *task.subtasks) for j in _swinging(s.does)}
+        moved = taken | {j for s in (*task.background, *task.subtasks) for j in swinging(s.does)}
         for beside in task.background:
             if isinstance(beside.does, LookAt | Relax):
-                moved |= self._joints(_moved_by(beside.does))
+                moved |= self._joints(moved_by(beside.does))
         still = [j for group in self.names.upright for j in self.names.groups[group]]
         home = self.names.postures[self.names.home]
         off = {
@@ -457,30 +367,6 @@ class _Measuring:
         return min(later, default=np.inf)
 
 
-def claimed(subtask: Background | SubTask) -> Sequence[str]:
-    """The parts of the body that an entry of a task moves, as its task file names them.
-
-    A primitive of the user's own may mean something else by those parameters.
-    """
-    return _moved_by(subtask.does)
-
-
-def _moved_by(does: Primitive) -> Sequence[str]:
-    if isinstance(does, Oscillate):
-        return _swinging(does) if does.claims else ()
-    limb, joints = getattr(does, "limb", None), getattr(does, "joints", None)
-    if isinstance(does, LookAt) and does.joints is None:
-        return (HEAD,)
-    if isinstance(limb, str):
-        return (limb,)
-    listed = joints if isinstance(joints, list | tuple) else ()
-    return tuple(name for name in listed if isinstance(name, str))
-
-
-def _swinging(does: Primitive) -> Sequence[str]:
-    return tuple(does.joints) if isinstance(does, Oscillate) else ()
-
-
 def _own(limb: Limb, joint: str) -> str:
     return f"{limb.side}_{joint}" if f"{limb.side}_{joint}" in limb.joints else joint
 
@@ -495,11 +381,3 @@ def _angle_between(rows: FloatArray, wanted: FloatArray) -> FloatArray:
     """Angles (T,) [deg] between unit vectors (T, 3) and one (3,)."""
     angles: FloatArray = np.rad2deg(np.arccos(np.clip(rows @ wanted, -1.0, 1.0)))
     return angles
-
-
-def _ratio(measure: Measure) -> float:
-    return measure.value / measure.limit if np.isfinite(measure.value) else np.inf
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

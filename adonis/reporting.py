@@ -13,9 +13,10 @@ import numpy as np
 from adonis.attribution import Attribution, attribute
 from adonis.attribution_figure import plot_attribution
 from adonis.errors import OutputError
-from adonis.judging import Judgement, judge, torque_steps
+from adonis.judging import judge, torque_steps
 from adonis.plotting import plot_hand_speed, plot_torque
 from adonis.transitions import transitions
+from adonis.verdicts import Judgement
 from primitives import Follow, GoToPoint
 from sim import (
     BodyMap,

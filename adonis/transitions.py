@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from adonis.judging import HAND_OVER_STEP, claimed, hand_over_rows, torque_steps
+from adonis.judging import HAND_OVER_STEP, hand_over_rows, torque_steps
+from adonis.verdicts import claimed
 from sim import Recording, Replay, Span
 from specs import TaskSpec
 

@@ -10,8 +10,9 @@ from rich.console import Console
 from rich.table import Table
 
 from adonis.dancing import Stopped, random_start, run_task
-from adonis.judging import Judgement, judge
+from adonis.judging import judge
 from adonis.reporting import prepare_folder, write_text
+from adonis.verdicts import Judgement
 from sim import Push, Recording, load_body
 from specs import BoundTask, Document, TaskSpec, bind_task, with_tempo
 

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import settings
 
 from adonis.dancing import run_task
-from adonis.judging import Judgement, judge
+from adonis.judging import judge
+from adonis.verdicts import Judgement
 from sim import Body, Recording, adonis
 from specs import BoundTask, bind_task, load_task
 

@@ -14,8 +14,9 @@ from adonis.bench import against_physics
 from adonis.comparison.human import Human
 from adonis.dancing import run_task
 from adonis.errors import InputError
-from adonis.judging import Judgement, judge
+from adonis.judging import judge
 from adonis.reporting import clearance
+from adonis.verdicts import Judgement
 from primitives import Field, Primitive
 from primitives.parameters import Controller
 from primitives.posture_field import PostureField

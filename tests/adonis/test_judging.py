@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from adonis.dancing import random_start, run_task
-from adonis.judging import Judgement, judge
+from adonis.judging import judge
 from adonis.reporting import saturation
+from adonis.verdicts import Judgement
 from primitives import GoToPoint, Place
 from sim import Body, BodyMap, Push, adonis
 from sim.anthropometry import FEMALE

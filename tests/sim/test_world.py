@@ -85,7 +85,7 @@ def test_a_world_needs_simulations_and_threads(body: Body, size) -> None:
 
 def test_what_a_primitive_sees_cannot_be_written(body: Body) -> None:
     """However the state was made, and whatever part of it is looked at."""
-    world, data = World(body, 3), mujoco.MjData(body.model)
+    world, data = World(body, 3, inertia=True), mujoco.MjData(body.model)
     mujoco.mj_forward(body.model, data)
     for state in (world.state, world.state.of_one(1), State.of(data)):
         for field in fields(state):
@@ -101,7 +101,8 @@ def test_compiled_code_sees_the_same_types_however_a_state_was_made(body: Body) 
     """Else a loop of one's own would compile everything anew, for many seconds."""
     data = mujoco.MjData(body.model)
     mujoco.mj_forward(body.model, data)
-    ours, one, plain = World(body).state, World(body, 4).state.of_one(2), State.of(data)
+    ours, one = World(body, inertia=True).state, World(body, 4, inertia=True).state.of_one(2)
+    plain = State.of(data)
     for field in fields(State):
         kinds = {typeof(getattr(state, field.name)) for state in (ours, one, plain)}
         assert len(kinds) == 1, f"{field.name}: {kinds}"
