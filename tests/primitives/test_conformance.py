@@ -44,7 +44,7 @@ OWN = [
     PointAt(limb="left_arm", at={"point": (1.0, 0.5, 0.4)}),
     LookAt(at={"near": "left_shoulder.top", "away": 1.0, "offset": (1.0, 0.0, -0.8)}),
     LookAt(at={"point": (1.0, 0.8, 0.4)}, joints=("waist", "neck")),
-    Oscillate(joints={"left_elbow": {"amplitude": 15}}, frequency=1.0),
+    Oscillate(joints={"left_elbow": {"amplitude": 15}}, frequency=4.0),
     Hold(limb="left_arm"),
     Relax(limb="left_arm"),
     Relax(limb="left_arm", limp=True),
