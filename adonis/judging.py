@@ -64,8 +64,13 @@ class Verdict:
 
     @property
     def success(self) -> bool:
-        """It came to it, it ended in time, and everything measured is within its limit."""
-        return self.span.outcome == "done" and all(m.success for m in self.measures)
+        """It ended as the task foresees, and everything measured is within its limit.
+
+        A task may leave sub-tasks out, end them, and say what is to happen after a time-out.
+        """
+        gave_up = self.span.outcome == "timed out" and self.subtask.otherwise is not None
+        foreseen = gave_up or self.span.outcome in ("done", "ended", "skipped")
+        return foreseen and all(m.success for m in self.measures)
 
     @property
     def worst(self) -> Measure | None:
@@ -132,7 +137,7 @@ def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
     for subtask in task.subtasks:
         span = spans.get(subtask.name, Span(subtask.name, np.nan, np.nan, "pending"))
         measures: tuple[Measure, ...] = ()
-        if span.outcome in ("done", "timed out"):
+        if _had_a_goal(subtask, span):
             measures = tuple(measuring.subtask(subtask, span, task, spans))
         verdicts.append(Verdict(subtask, span, measures))
     return Judgement(tuple(verdicts), tuple(measuring.checks(task, spans)), recording.complete)
@@ -339,6 +344,14 @@ class _Measuring:
             if s.name in spans and spans[s.name].start > start and own & self._joints(_claimed(s))
         ]
         return min(later, default=np.inf)
+
+
+def _had_a_goal(subtask: SubTask, span: Span) -> bool:
+    """Whether it should be at its goal: not if it ended for a reason of another kind."""
+    if span.outcome == "timed out":
+        return subtask.otherwise is None
+    on_its_own = subtask.done in ("on-time", "reached") and subtask.while_ is None
+    return span.outcome == "done" and on_its_own
 
 
 def _claimed(subtask: SubTask) -> Sequence[str]:

@@ -180,6 +180,7 @@ def add_torque(
     x: Row,
     memory: FloatArray,
     t: float,
+    pace: float,
     touches: Records,
     scratch: Scratch,
     out: FloatArray,
@@ -192,6 +193,7 @@ def add_torque(
         x: the simulation.
         memory: what `begin_field` remembered.
         t: [s]
+        pace: of that time: 1, or less when it is slowed down, and set points with it.
         touches: rows of TOUCH, for fields that keep links apart.
         scratch: to work in.
         out: (nv,) [N m]
@@ -216,7 +218,7 @@ def add_torque(
             return
         weigh_knots(share, times, coefficients, weight, rate)
         for k in range(knots):
-            rate[k] /= field.duration
+            rate[k] = rate[k] / field.duration * pace
         if field.kind == PD_SERVO:
             own = table.numbers[field.row : field.row + nv * (knots + 1)]
             pd_servo(x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv :], weight, rate, out)

@@ -13,7 +13,7 @@ from specs.available import available_primitives
 from specs.blame import told
 from specs.errors import SpecError
 from specs.reading import Document, Path_, read_file, read_text
-from specs.task import Background, SubTask, TaskSpec
+from specs.task import Background, SubTask, TaskSpec, keys_of
 
 Model = TypeVar("Model", bound=BaseModel)
 LIBRARY = Path(str(files("specs") / "library"))
@@ -114,7 +114,7 @@ def _step(
         raise document.error(f"'primitive' is missing (there are: {known})", path)
     if not isinstance(kind, str) or kind not in kinds:
         raise document.error(unknown("primitive", kind, kinds), (*path, "primitive"))
-    ours = model.model_fields.keys() - {"does"}
+    ours = keys_of(model).keys() - {"does"}
     theirs = kinds[kind].model_fields.keys() - {"kind"}
     for key in item:
         if key not in ours | theirs | {"primitive"}:
