@@ -6,7 +6,7 @@ from rich.table import Table
 
 from adonis.comparison.comparing import Comparison
 from adonis.comparison.report import Written, failures, summary
-from adonis.judging import Judgement
+from adonis.judging import Judgement, Verdict
 
 
 def print_results(console: Console, judgement: Judgement, title: str) -> None:

@@ -162,6 +162,43 @@ def drop_covered(c: Course, live: int) -> int:
 
 
 @compiled
+def skips(time: float, x: Row, c: Course, k: int, live: int) -> bool:
+    """Whether sub-task k, whose turn it is, is left out; `first` ends the others in any case."""
+    node, row = c.nodes[k], c.log[k]
+    if row.rounds > 0:
+        return False
+    if node.join == FIRST:
+        for m in range(node.ended, node.ended + node.ends):
+            cut_short(c, c.others[m], ENDED, NO_WAY, time, live)
+    if node.given < 0 or holds(c, node.given, -np.inf, x):
+        return False
+    row.outcome = SKIPPED
+    row.end = row.start
+    row.way = OTHER_WAY if node.otherwise >= 0 else GO_ON
+    return True
+
+
+@compiled
+def pass_on(c: Course, k: int, live: int) -> None:
+    """Tell those around sub-task k that it runs now, or that it is settled."""
+    node, row = c.nodes[k], c.log[k]
+    outcome, way = (ENDED, NO_WAY) if row.way == NO_WAY else (DONE, GO_ON)
+    for m in range(node.company, node.company + node.companions):
+        other = c.others[m]
+        if row.outcome != RUNNING:
+            cut_short(c, other, outcome, way, row.end, live)
+        elif c.log[other].outcome == PENDING:
+            c.log[other].start = row.start
+            queue_up(c, other)
+    if row.outcome == RUNNING:
+        return
+    for m in range(node.successors, node.successors + node.count):
+        call(c, c.others[m], row.way == GO_ON, row.end)
+    if node.otherwise >= 0:
+        call(c, node.otherwise, row.way == OTHER_WAY, row.end)
+
+
+@compiled
 def serve(time: float, x: Row, table: FieldTable, c: Course, live: int) -> int:
     """Empty the queue; returns the new number of live slots.
 
@@ -169,37 +206,38 @@ def serve(time: float, x: Row, table: FieldTable, c: Course, live: int) -> int:
     """
     while c.course.head >= 0:
         k = c.course.head
-        node, row = c.nodes[k], c.log[k]
-        if row.outcome == PENDING:
-            if row.rounds == 0 and node.join == FIRST:
-                for m in range(node.ended, node.ended + node.ends):
-                    cut_short(c, c.others[m], ENDED, NO_WAY, time, live)
-            if row.rounds == 0 and node.given >= 0 and not holds(c, node.given, -np.inf, x):
-                row.outcome = SKIPPED
-                row.end = row.start
-                row.way = OTHER_WAY if node.otherwise >= 0 else GO_ON
-            elif live == c.slots.shape[0]:
+        if c.log[k].outcome == PENDING and not skips(time, x, c, k, live):
+            if live == c.slots.shape[0]:
                 return live
-            else:
-                live = begin_subtask(c, k, x, table, live)
-        c.course.head = row.next
-        row.queued = False
-        if row.outcome == RUNNING:
-            for m in range(node.company, node.company + node.companions):
-                other = c.others[m]
-                if c.log[other].outcome == PENDING:
-                    c.log[other].start = row.start
-                    queue_up(c, other)
-            continue
-        for m in range(node.company, node.company + node.companions):
-            outcome = ENDED if row.way == NO_WAY else DONE
-            way = NO_WAY if row.way == NO_WAY else GO_ON
-            cut_short(c, c.others[m], outcome, way, row.end, live)
-        for m in range(node.successors, node.successors + node.count):
-            call(c, c.others[m], row.way == GO_ON, row.end)
-        if node.otherwise >= 0:
-            call(c, node.otherwise, row.way == OTHER_WAY, row.end)
+            live = begin_subtask(c, k, x, table, live)
+        c.course.head = c.log[k].next
+        c.log[k].queued = False
+        pass_on(c, k, live)
     return live
+
+
+@compiled
+def came_of(time: float, x: Row, table: FieldTable, c: Course, k: int, start: float) -> int:
+    """What has become by now of a sub-task that began at `start`; PENDING if it goes on."""
+    node = c.nodes[k]
+    if node.done >= 0:  # not before its hand-over is through
+        if time < start + node.fade - EARLY:
+            return PENDING
+        good = holds(c, node.done, start, x)
+    else:
+        if time < start + node.duration - EARLY:
+            return PENDING
+        if node.tolerance == 0.0:
+            return DONE
+        field = table.fields[c.backgrounds + k]
+        if field.kind == PLAIN:
+            error = c.plain_error[field.row]
+        else:
+            error = field_error(table, c.backgrounds + k, x)
+        good = error <= node.tolerance
+    if good:
+        return DONE
+    return TIMED_OUT if time >= start + node.timeout - EARLY else PENDING
 
 
 @compiled
@@ -211,34 +249,14 @@ def check(time: float, x: Row, table: FieldTable, c: Course, s: int) -> None:
     """
     k = c.slots[s].node
     node = c.nodes[k]
-    start = c.slots[s].start
-    end = start + node.duration
-    outcome = PENDING
-    if node.beside:
+    if node.beside:  # it is over when another is
         return
-    if node.done >= 0:  # not before its hand-over is over
-        if time >= start + node.fade - EARLY:
-            end = time
-            if holds(c, node.done, start, x):
-                outcome = DONE
-            elif time >= start + node.timeout - EARLY:
-                outcome = TIMED_OUT
-    elif time >= end - EARLY:
-        if node.tolerance == 0.0:
-            outcome = DONE
-        else:
-            field = table.fields[c.backgrounds + k]
-            if field.kind == PLAIN:
-                error = c.plain_error[field.row]
-            else:
-                error = field_error(table, c.backgrounds + k, x)
-            end = time
-            if error <= node.tolerance:
-                outcome = DONE
-            elif time >= start + node.timeout - EARLY:
-                outcome = TIMED_OUT
+    start = c.slots[s].start
+    outcome = came_of(time, x, table, c, k, start)
     if outcome == PENDING:
         return
+    on_time = node.done < 0 and node.tolerance == 0.0
+    end = start + node.duration if on_time else time
     c.slots[s].over = True
     c.slots[s].end = end
     if outcome == DONE:
@@ -263,7 +281,7 @@ def let_go(time: float, c: Course, live: int) -> None:
     for k in range(c.log.shape[0]):
         row = c.log[k]
         row.queued = False
-        if row.outcome == PENDING or row.outcome == RUNNING:
+        if row.outcome < DONE:
             row.outcome = ENDED if row.outcome == RUNNING or row.rounds > 0 else SKIPPED
             row.end = time
             row.end_lag = c.course.lag

@@ -1,7 +1,7 @@
 """Conditions: what a sub-task may wait for, depend on, or be repeated until.
 
-    {event: NAME}                                     somebody sent it: `arbiter.send(NAME)`
-    {near: LANDMARK, limb: ARM, distance: METRES}     the palm is that near to the landmark
+{event: NAME}                                     somebody sent it: `arbiter.send(NAME)`
+{near: LANDMARK, limb: ARM, distance: METRES}     the palm is that near to the landmark
 """
 
 from dataclasses import dataclass

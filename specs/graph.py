@@ -82,12 +82,13 @@ def build_graph(spec: TaskSpec, document: Document | None = None) -> TaskGraph:
             giver = next(s.name for s in spec.subtasks if s.otherwise == subtask.name)
             said = f"{subtask.name!r} is the 'otherwise' of {giver!r}, and so takes no 'after'"
             raise document.error(said, ("subtasks", i, "after"), key=True)
-        for other, place in _awaited(subtask, i, previous, subtask.name in spared):
-            _join(graph, names, other, subtask.name, AFTER, document, place)
-        for other, key in ((subtask.while_, WHILE), (subtask.otherwise, OTHERWISE)):
-            if other is not None:
-                ends = (other, subtask.name) if key == WHILE else (subtask.name, other)
-                _join(graph, names, *ends, key, document, ("subtasks", i, key))
+        for other, path in _awaited(subtask, i, previous, subtask.name in spared):
+            _join(graph, names, other, subtask.name, AFTER, document, path)
+        if (one := subtask.while_) is not None:
+            _join(graph, names, one, subtask.name, WHILE, document, ("subtasks", i, WHILE))
+        if (then := subtask.otherwise) is not None:
+            place = ("subtasks", i, OTHERWISE)
+            _join(graph, names, subtask.name, then, OTHERWISE, document, place)
         previous = subtask
     if not nx.is_directed_acyclic_graph(graph):
         cycle = [a for a, _ in nx.find_cycle(graph)]

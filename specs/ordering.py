@@ -73,7 +73,9 @@ def _known(
     both = reduce(and_, (done[p].closed for p in before))
     over = {"all": either, "any": both, "first": either | above}[policy]
     taken, otherwise = (
-        reduce(and_, (_row(done[p], way) | (kind == way) << number[p] for p, kind in before.items()))
+        reduce(
+            and_, (_row(done[p], way) | (kind == way) << number[p] for p, kind in before.items())
+        )
         for way in (AFTER, OTHERWISE)
     )
     return Known(over, taken, otherwise, above & ~both if policy == "first" else 0)

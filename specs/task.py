@@ -59,7 +59,8 @@ class SubTask(_Doing):
             raise ValueError("tolerance goes with done: reached")
         if isinstance(self.done, Condition) and self.timeout is None:
             raise ValueError("done: a condition needs a timeout")
-        if self.otherwise is not None and self.timeout is self.if_ is self.until is None:
+        reasons = (self.timeout, self.if_, self.until)
+        if self.otherwise is not None and all(reason is None for reason in reasons):
             raise ValueError("otherwise goes with a timeout, with if, or with repeat: until")
         if self.while_ is not None and not self._only_while:
             raise ValueError("while goes without after, if, done, otherwise and repeat")
