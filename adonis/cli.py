@@ -165,12 +165,15 @@ def check(
     for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
                              ("moves", "left"), ("from", "right"), ("to", "right")):  # fmt: skip
         table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    depends = any(s.circumstances for s in spec.subtasks)
+    if depends:
+        table.add_column("if, while, until")
     for number, name in enumerate(graph.order, start=1):
         does, (start, end) = graph.subtasks[name].does, graph.planned[name]
         moves = getattr(does, "limb", None) or ", ".join(getattr(does, "joints", None) or ())
-        table.add_row(
-            str(number), name, does.kind, moves.replace("_", " "), f"{start:.2f}", f"{end:.2f} s"
-        )
+        more = (escape(graph.subtasks[name].circumstances),) if depends else ()
+        times = f"{start:.2f}", f"{end:.2f} s"
+        table.add_row(str(number), name, does.kind, moves.replace("_", " "), *times, *more)
     console = Console()
     console.print(table)
     beside = ", ".join(f"{b.name} ({b.does.kind})" for b in spec.background) or "nothing"

@@ -98,7 +98,7 @@ def run_task(
             step += 1
             if step % LOOK_EVERY == 0:
                 world.check()
-                if last is None and step >= planned - coda and arbiter.over.all():
+                if last is None and arbiter.over.all():
                     last = step + coda
                 if progress is not None:
                     progress(min(step / planned, 1.0), _present(arbiter))

@@ -66,7 +66,7 @@ def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
     for subtask in task.subtasks:
         span = spans.get(subtask.name, Span(subtask.name, np.nan, np.nan, "pending"))
         measures: tuple[Measure, ...] = ()
-        if span.outcome in ("done", "timed out"):
+        if _had_a_goal(subtask, span):
             measures = tuple(measuring.subtask(subtask, span, task, spans))
         verdicts.append(Verdict(subtask, span, measures))
     return Judgement(tuple(verdicts), tuple(measuring.checks(task, spans)), recording.complete)
@@ -365,6 +365,14 @@ class _Measuring:
             if s.name in spans and spans[s.name].start > start and own & self._joints(claimed(s))
         ]
         return min(later, default=np.inf)
+
+
+def _had_a_goal(subtask: SubTask, span: Span) -> bool:
+    """Whether it should be at its goal: not if it ended for a reason of another kind."""
+    if span.outcome == "timed out":
+        return subtask.otherwise is None
+    on_its_own = subtask.done in ("on-time", "reached") and subtask.while_ is None
+    return span.outcome == "done" and on_its_own
 
 
 def _own(limb: Limb, joint: str) -> str:

@@ -6,7 +6,7 @@ from rich.table import Table
 
 from adonis.comparison.comparing import Comparison
 from adonis.comparison.report import Written, failures, summary
-from adonis.verdicts import Judgement
+from adonis.verdicts import Judgement, Verdict
 
 
 def print_results(console: Console, judgement: Judgement, title: str) -> None:
@@ -33,7 +33,7 @@ def print_results(console: Console, judgement: Judgement, title: str) -> None:
             "" if row["end"] is None else f"{row['end']:.2f}",
             error,
             allowed,
-            "[green]ok[/green]" if verdict.success else f"[red]{_why(verdict.span.outcome)}[/red]",
+            _became(verdict),
         )
     console.print(table)
     for measure in judgement.checks:
@@ -63,8 +63,12 @@ def _verdict(judgement: Judgement) -> str:
     return f", but not: [red]{', '.join(wrong)}[/red]"
 
 
-def _why(outcome: str) -> str:
-    return "failed" if outcome == "done" else outcome
+def _became(verdict: Verdict) -> str:
+    """What became of a sub-task, in a word."""
+    outcome = verdict.span.outcome
+    if verdict.success:
+        return "[green]ok[/green]" if outcome == "done" else f"[dim]{outcome}[/dim]"
+    return f"[red]{'failed' if outcome == 'done' else outcome}[/red]"
 
 
 def print_comparison(console: Console, comparison: Comparison, written: Written) -> None:

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from arbiter.combination import Combination
 from arbiter.errors import ArbiterError
 from arbiter.kernel import ACT, WALK, control
-from arbiter.plan import DONE, LOG, SLOT, TIMED_OUT, Plan, make_plan
+from arbiter.plan import COURSE, DONE, LOG, OUTCOMES, PENDING, SKIPPED, SLOT, Plan, make_plan
 from arbiter.run import Parts, Run
 from primitives import Field
 from primitives.compiled_field import CompiledField
 from primitives.mechanics import dof_table, link_table
 from primitives.table import PLAIN, TOUCH, TableBuilder, make_scratch, memory_size
-from sim import Span, State
+from sim import Span, State, unknown
 from specs import BoundTask
 from specs.blame import told
 
@@ -63,6 +63,8 @@ class Arbiter:
                 self._plain.append((place, field))
         body, table = task.body, builder.build()
         slots, channels = self.plan.slots, self._backgrounds + self.plan.slots
+        self._course = np.zeros(n, dtype=COURSE)
+        self._events = np.full((n, len(task.events)), -np.inf)
         self._live = np.full(n, -1, dtype=np.int32)
         self._slots = np.zeros((n, slots), dtype=SLOT)
         self._log = np.zeros((n, len(task.fields)), dtype=LOG)
@@ -86,7 +88,8 @@ class Arbiter:
         touches = np.zeros((n, slots + 1), dtype=TOUCH)
         parts = Parts(
             *(link_table(body), dof_table(body), *table),
-            *(gives_way, self.plan.nodes, self.plan.successors, self.plan.roots),
+            *(gives_way, self.plan.nodes, self.plan.others, self.plan.roots),
+            *(self.plan.conditions, np.array([task.spec.hand_over]), self._course, self._events),
             *(self._live, self._slots, self._log, self._memory, touches),
             *(self._plain_torque, self._plain_error, self._contribution, self._activation),
             self._torque,
@@ -101,13 +104,18 @@ class Arbiter:
 
     def reset(self, who: Sequence[int] | None = None) -> None:
         """Begin the task anew at the next step, in all simulations or in some."""
-        rows = slice(None) if who is None else list(who)
+        rows = _rows(who)
         self._live[rows] = -1
         fresh = np.zeros(len(self.task.fields), dtype=LOG)
         fresh["start"], fresh["waits"] = -np.inf, self.plan.waits
         self._log[rows] = fresh
         if self._combination is not None:
             self._combination.reset(rows)
+        start = np.zeros(1, dtype=COURSE)
+        start["pace"] = start["wanted"] = 1.0
+        start["head"] = start["tail"] = -1
+        self._course[rows] = start
+        self._events[rows] = -np.inf
 
     def torque(self, state: State) -> FloatArray:
         """The torques (n, nv) [N m] that the task asks for now, within the motors' limits.
@@ -130,6 +138,31 @@ class Arbiter:
         if self._combination is not None:
             self._combine(self._combination, state)
         return self._torque
+
+    # --- from outside ---------------------------------------------------------------------
+
+    def send(self, event: str, who: Sequence[int] | None = None) -> None:
+        """Let an event happen at the next step, in all simulations or in some.
+
+        Raises:
+            ArbiterError: no condition of the task is about such an event.
+        """
+        if event not in self.task.events:
+            raise ArbiterError(unknown("event", event, self.task.events))
+        self._events[_rows(who), self.task.events.index(event)] = np.inf
+
+    def pause(self, who: Sequence[int] | None = None) -> None:
+        """Let the task's time come to rest within its `hand_over`; goals are held as they are."""
+        self._course["wanted"][_rows(who)] = 0.0
+
+    def resume(self, who: Sequence[int] | None = None) -> None:
+        """Let the task's time go on after a pause, as softly."""
+        self._course["wanted"][_rows(who)] = 1.0
+
+    def stop(self, who: Sequence[int] | None = None) -> None:
+        """End the task: every sub-task fades to the background within its hand-over."""
+        self._course["stop"][_rows(who)] = True
+        self.resume(who)
 
     # --- what happened --------------------------------------------------------------------
 
@@ -158,13 +191,14 @@ class Arbiter:
 
     def spans(self, simulation: int = 0) -> tuple[Span, ...]:
         """What became of each sub-task so far."""
-        words = ("pending", "running", "done", "timed out")
         found = []
         for name, row in zip(self.task.graph.order, self._log[simulation], strict=True):
-            outcome = int(row["outcome"])
-            start = float(row["start"]) if outcome else np.nan
-            end = float(row["end"]) if outcome in (DONE, TIMED_OUT) else np.nan
-            found.append(Span(name, start, end, words[outcome]))
+            outcome, start, end = int(row["outcome"]), np.nan, np.nan
+            if outcome not in (PENDING, SKIPPED):
+                start = float(row["start"] + row["start_lag"])
+            if outcome >= DONE and outcome != SKIPPED:
+                end = float(row["end"] + row["end_lag"])
+            found.append(Span(name, start, end, OUTCOMES[outcome]))
         return tuple(found)
 
     @property
@@ -203,20 +237,23 @@ class Arbiter:
 
     def _ask_plain(self, state: State) -> None:
         """Let the fields that are plain Python make their torques, where they are on."""
+        now = state.time - self._course["lag"]
         for row, (place, field) in enumerate(self._plain):
             node = place - self._backgrounds
             if node < 0:
                 on = np.ones(self.n, dtype=np.bool_)
                 start = self._memory[:, -1, 0]
+                fresh = state.time - start < 0.999 * self.task.body.timestep
             else:
-                on = self._log["on"][:, node]
+                on = self._log["on"][:, node] > 0
                 start = self._log["start"][:, node]
+                fresh = self._log["fresh"][:, node].copy()
+                self._log["fresh"][:, node] = False
             if not on.any():
                 continue
-            fresh = on & (state.time - start < 0.999 * self.task.body.timestep)
             if fresh.any():
                 self._ask(place, "begin", field.begin, state, fresh)
-            since = np.where(on, state.time - start, 0.0)
+            since = np.where(on, now - start, 0.0)
             torque = self._ask(place, "torque", field.torque, state, since)
             self._plain_torque[:, row] = self._numbers(place, "torque", torque, ("n", "nv"))
             error = self._ask(place, "error", field.error, state)
@@ -255,7 +292,8 @@ class Arbiter:
     def _not_finite(self, state: State, simulation: int) -> ArbiterError:
         """Ask the fields of a simulation once more, to see which of them it is."""
         blame = Arbiter(self.task)
-        for name in ("_live", "_slots", "_log", "_memory", "_plain_torque", "_plain_error"):
+        kept = ("_live", "_course", "_slots", "_log", "_memory", "_plain_torque", "_plain_error")
+        for name in kept:
             getattr(blame, name)[0] = getattr(self, name)[simulation]
         blame._control(ACT, blame._arrays(state.of_one(simulation)))
         rows = np.empty((1, self.most_channels), dtype=np.int32)
@@ -269,3 +307,8 @@ class Arbiter:
                     f" (simulation {simulation})"
                 )
         return ArbiterError(f"a torque is not finite at {state.time[simulation]:.3f} s")
+
+
+def _rows(who: Sequence[int] | None) -> Any:
+    """Which simulations are meant, as an index."""
+    return slice(None) if who is None else list(who)

@@ -4,7 +4,8 @@ A sub-task that claims a joint lies over those that claimed it before, and those
 background, as one sheet over another: the newest gets its weight w, the one below gets the
 share w' of what is left, 1 - w, and so on down; the background gets what remains. w rises
 from 0 to 1 along the step of Mataric et al. (1999), eq 5, and the weights on a joint always
-add up to one, whatever interrupts what.
+add up to one, whatever interrupts what. One that is cut short is released: its w falls to 0
+along the same step, and what lies below comes out again.
 """
 
 import numpy as np
@@ -30,7 +31,6 @@ def weigh_fields(
     gives_way: NDArray[np.bool_],
     slots: Records,
     live: int,
-    log: Records,
     weight: FloatArray,
 ) -> None:
     """What the fields that are on are worth on each joint.
@@ -42,7 +42,6 @@ def weigh_fields(
         gives_way: (backgrounds,) whether it claims joints, which sub-tasks may take over.
         slots: rows of SLOT, the oldest first; `covered` is set where nothing is left.
         live: how many of them are in use.
-        log: rows of LOG.
         weight: (backgrounds + slots, nv) out: of the background, then of the slots.
     """
     backgrounds = gives_way.shape[0]
@@ -52,12 +51,16 @@ def weigh_fields(
         left[j] = 1.0
     for s in range(live - 1, -1, -1):
         k, row = slots[s].node, weight[backgrounds + s]
-        share = fade_in(time - log[k].start, nodes[k].fade)
+        share = fade_in(time - slots[s].start, nodes[k].fade)
         if nodes[k].claims:
-            slots[s].covered = not lay_over(share, claims[backgrounds + k], left, row)
+            gone = False
+            if slots[s].released:  # what lies below comes out again
+                share *= 1.0 - fade_in(time - slots[s].end, nodes[k].fade)
+                gone = share == 0.0
+            slots[s].covered = not lay_over(share, claims[backgrounds + k], left, row) or gone
             continue
         if slots[s].over:  # it only adds: on while it runs, then it fades away
-            share *= 1.0 - fade_in(time - log[k].end, nodes[k].fade)
+            share *= 1.0 - fade_in(time - slots[s].end, nodes[k].fade)
         slots[s].covered = share == 0.0
         for j in range(nv):
             row[j] = share

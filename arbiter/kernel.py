@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from arbiter.hand_over import weigh_fields
 from arbiter.rules import sum_torques
 from arbiter.run import Parts
-from arbiter.walk import begin_subtask, walk
-from primitives.compiled import Records, compiled, compiled_entry, fingerprint
+from arbiter.walk import Course, queue_up, walk
+from primitives.compiled import Record, Records, compiled, compiled_entry, fingerprint
 from primitives.mechanics import Row
 from primitives.table import (
     PLAIN,
@@ -27,28 +27,28 @@ WALK, ACT = 1, 2  # what a call is to do; both at once unless a field is plain P
 
 
 @compiled
-def begin_task(
-    now: float,
-    x: Row,
-    table: FieldTable,
-    roots: IntArray,
-    backgrounds: int,
-    slots: Records,
-    log: Records,
-    memory: FloatArray,
-) -> int:
-    """The first step of a simulation: background and first sub-tasks begin; returns live slots.
+def begin_task(now: float, x: Row, table: FieldTable, roots: IntArray, c: Course) -> None:
+    """The first step of a simulation: the background begins, the first sub-tasks may.
 
     The last row of the memory is the arbiter's own: it keeps the time of this moment.
     """
-    memory[-1, 0] = now
-    for b in range(backgrounds):
-        begin_field(table, b, x, memory[b])
-    live = 0
+    c.memory[-1, 0] = now
+    for b in range(c.backgrounds):
+        begin_field(table, b, x, c.memory[b])
     for r in range(roots.shape[0]):
-        log[roots[r]].start = now
-        live = begin_subtask(roots[r], x, table, backgrounds, slots, live, log, memory)
-    return live
+        c.log[roots[r]].start = now
+        queue_up(c, roots[r])
+
+
+@compiled
+def keep_time(time: float, ease: float, course: Record) -> None:
+    """Move the task's clock on: in a pause it comes to rest softly, then it lags behind."""
+    if course.pace != 1.0 or course.wanted != 1.0:
+        passed = time - course.last
+        change = passed / ease if ease > 0.0 else 1.0
+        course.pace += min(max(course.wanted - course.pace, -change), change)
+        course.lag += (1.0 - course.pace) * passed
+    course.last = time
 
 
 @compiled
@@ -59,7 +59,7 @@ def ask_fields(
     backgrounds: int,
     slots: Records,
     live: int,
-    log: Records,
+    pace: float,
     memory: FloatArray,
     weight: FloatArray,
     touches: Records,
@@ -85,7 +85,7 @@ def ask_fields(
             f, since = m, now - memory[-1, 0]
         else:
             k = slots[m - backgrounds].node
-            f, since = backgrounds + k, now - log[k].start
+            f, since = backgrounds + k, now - slots[m - backgrounds].start
             if touch_of(table, f, since, touches[touching]):
                 touches[touching].share *= worth
                 touching += 1
@@ -93,7 +93,7 @@ def ask_fields(
             for j in range(nv):
                 out[m, j] = plain[table.fields[f].row, j]
         else:
-            add_torque(table, f, x, memory[m], since, touches[:touching], scratch, out[m])
+            add_torque(table, f, x, memory[m], since, pace, touches[:touching], scratch, out[m])
         for j in range(nv):
             out[m, j] *= weight[m, j]
 
@@ -125,14 +125,20 @@ def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) ->
     )  # fmt: skip
     backgrounds = p.gives_way.shape[0]
     slots, log, memory, live = p.slots[i], p.log[i], p.memory[i], p.live[i]
+    course = p.course[i]
     if what & WALK:
-        if live < 0:
-            live = begin_task(time, x, table, p.roots, backgrounds, slots, log, memory)
-        live = walk(
-            time, x, table, p.nodes, p.successors, backgrounds,
-            slots, live, log, memory, p.plain_error[i],
+        c = Course(
+            p.nodes, p.others, p.conditions, backgrounds, slots, log, memory,
+            p.plain_error[i], p.events[i], course,
         )  # fmt: skip
+        keep_time(time, p.ease[0], course)
+        if live < 0:
+            begin_task(time - course.lag, x, table, p.roots, c)
+            live = 0
+        if course.wanted == 1.0:
+            live = walk(time - course.lag, x, table, c, live)
         p.live[i] = live
+    now = time - course.lag
     if not what & ACT:
         return True
     weight, asked, torque = p.weight[share], p.asked[share], p.torque[i]
@@ -144,9 +150,9 @@ def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) ->
         p.wrenches[share],
         p.placed[share],
     )
-    weigh_fields(time, p.nodes, p.claims, p.gives_way, slots, live, log, weight)
+    weigh_fields(now, p.nodes, p.claims, p.gives_way, slots, live, weight)
     ask_fields(
-        time, x, table, backgrounds, slots, live, log, memory, weight,
+        now, x, table, backgrounds, slots, live, course.pace, memory, weight,
         p.touches[i], p.plain[i], scratch, asked,
     )  # fmt: skip
     sum_torques(asked, backgrounds + live, torque)
@@ -187,10 +193,11 @@ def _make(code: str) -> Callable[..., int]:
         len(code)
         parts = Parts(
             r.links, r.dofs, r.fields, r.claims, r.numbers, r.reaches, r.points, r.guards,
-            r.guarded, r.pairs, r.capsules, r.gives_way, r.nodes, r.successors, r.roots,
-            r.live, r.slots, r.log, r.memory, r.touches, r.plain, r.plain_error,
-            r.contribution, r.activation, r.torque, r.shares, r.weight, r.asked,
-            r.knot_weight, r.knot_rate, r.angles, r.balls, r.wrenches, r.placed,
+            r.guarded, r.pairs, r.capsules, r.gives_way, r.nodes, r.others, r.roots,
+            r.conditions, r.ease, r.course, r.events, r.live, r.slots, r.log, r.memory,
+            r.touches, r.plain, r.plain_error, r.contribution, r.activation, r.torque,
+            r.shares, r.weight, r.asked, r.knot_weight, r.knot_rate, r.angles, r.balls,
+            r.wrenches, r.placed,
         )  # fmt: skip
         return control_share(what, share, time, qpos, qvel, xpos, xmat, cdof, cvel, com, parts)
 

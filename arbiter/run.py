@@ -30,9 +30,13 @@ class Parts(NamedTuple):
     # The graph: see `plan`.
     gives_way: Records  # (backgrounds,)
     nodes: Records
-    successors: Records
+    others: Records
     roots: Records
+    conditions: Records
+    ease: Records  # (1,) in which a pause stops the task's time [s]
     # What changes, one row for each simulation.
+    course: Records  # (n,) COURSE: the task's clock, and who waits to begin
+    events: Records  # (n, events) when each was sent last; infinite: since the last step [s]
     live: Records  # (n,) how many sub-tasks are on; -1 before the first step
     slots: Records  # (n, slots) SLOT: which they are
     log: Records  # (n, sub-tasks) LOG: how far each has come

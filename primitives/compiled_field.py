@@ -120,7 +120,7 @@ def torque_all(
     """`add_torque` in all simulations."""
     scratch = Scratch(room[0][0], room[1][0], room[2][0], room[3][0], room[4][0], room[5][0])
     for i in range(len(x.qpos)):
-        add_torque(table, 0, one_of(x, i), memory[i], t[i], touches, scratch, out[i])
+        add_torque(table, 0, one_of(x, i), memory[i], t[i], 1.0, touches, scratch, out[i])
 
 
 @compiled

@@ -200,6 +200,7 @@ def add_movement(
     x: Row,
     memory: FloatArray,
     share: float,
+    pace: float,
     scratch: Scratch,
     out: FloatArray,
 ) -> None:
@@ -221,7 +222,7 @@ def add_movement(
         return
     weigh_knots(share, times, coefficients, weight, rate)
     for k in range(knots):
-        rate[k] /= field.duration
+        rate[k] = rate[k] / field.duration * pace
     if field.kind == PD_SERVO:
         own = table.numbers[field.row : field.row + nv * (knots + 1)]
         pd_servo(x, own[:nv], own[nv : 2 * nv], memory[:nv], own[2 * nv :], weight, rate, out)
@@ -240,6 +241,7 @@ def add_torque(
     x: Row,
     memory: FloatArray,
     t: float,
+    pace: float,
     touches: Records,
     scratch: Scratch,
     out: FloatArray,
@@ -252,6 +254,7 @@ def add_torque(
         x: the simulation.
         memory: what `begin_field` remembered.
         t: [s]
+        pace: of that time: 1, or less when it is slowed down, and set points with it.
         touches: rows of TOUCH, for fields that keep links apart.
         scratch: to work in.
         out: (nv,) [N m]
@@ -277,7 +280,7 @@ def add_torque(
         own = table.numbers[field.row : field.row + nv + 3]
         hang_loose(x, own[:nv], own[nv:], table.claims[f], scratch.angles, out)
     elif field.kind in (PD_SERVO, TORQUE_FIELD, IMPEDANCE, ENDPOINT_FORCE):
-        add_movement(table, f, x, memory, t / field.duration, scratch, out)
+        add_movement(table, f, x, memory, t / field.duration, pace, scratch, out)
     elif field.kind == GUARDING:
         guard = table.guards[field.row]
         repel(

@@ -2,6 +2,7 @@
 
 from specs.available import available_primitives, primitives_in
 from specs.binding import BoundTask, bind_task
+from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
 from specs.doubting import doubts
 from specs.errors import Position, SpecError
@@ -15,9 +16,12 @@ from specs.writing import task_to_yaml
 __all__ = [
     "Background",
     "BoundTask",
+    "Condition",
     "Document",
     "Group",
+    "Join",
     "Position",
+    "Repeat",
     "SpecError",
     "SubTask",
     "TaskGraph",

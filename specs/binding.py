@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 from primitives import CompensateGravity, Field, Primitive, PrimitiveError, Relax
 from sim import Body, BodyError
 from specs.blame import told
+from specs.conditions import BoundCondition, Condition, bind_condition
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
 from specs.groups import check_groups
+from specs.ordering import Known, members, order_of
 from specs.reading import Document, Path_
-from specs.task import Background, SubTask, TaskSpec
+from specs.task import Background, SubTask, TaskSpec, keys_of
 
 FIELD = ("claims", "unit", "begin", "torque", "error")  # the parts of a field
-OWN_KEYS = {*SubTask.model_fields, "primitive"}  # of a step of a task; the rest is its primitive's
+OWN_KEYS = {*keys_of(SubTask), "primitive"}  # of a step of a task; the rest is its primitive's
 QUOTED = re.compile("'([^']*)'")
 
 
@@ -35,6 +37,8 @@ class BoundTask:
     background: tuple[Field, ...]
     fields: tuple[Field, ...]
     start: NDArray[np.float64]  # posture (nq,) to begin in
+    conditions: dict[Condition, BoundCondition]
+    events: tuple[str, ...]  # that may be sent from outside
 
     @property
     def spec(self) -> TaskSpec:
@@ -53,8 +57,8 @@ class BoundTask:
 
     @property
     def may_wait(self) -> bool:
-        """Whether a sub-task may take longer than planned, until something is reached."""
-        return any(s.done != "on-time" for s in self.spec.subtasks)
+        """Whether it depends on what happens how long the task takes."""
+        return any(s.depends for s in self.spec.subtasks)
 
 
 def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> BoundTask:
@@ -101,7 +105,26 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
             raise document.error(str(problem), ("start",)) from None
         given = ~np.isnan(angles)
         start[body.qpos_of_dof[given]] = angles[given]
-    return BoundTask(body, graph, background, fields, start)
+    conditions, events = _conditions(spec, body, document)
+    return BoundTask(body, graph, background, fields, start, conditions, events)
+
+
+def _conditions(
+    spec: TaskSpec, body: Body, document: Document
+) -> tuple[dict[Condition, BoundCondition], tuple[str, ...]]:
+    """The conditions of a task and the events that they name."""
+    found: dict[Condition, BoundCondition] = {}
+    events: list[str] = []
+    for i, subtask in enumerate(spec.subtasks):
+        for key, condition in subtask.conditions.items():
+            place: Path_ = ("subtasks", i, key, *(("until",) if key == "repeat" else ()))
+            try:
+                found[condition] = bind_condition(condition, body, events)
+            except BodyError as problem:
+                wrong = "limb" if condition.limb not in body.map.limbs else "near"
+                said = f"{subtask.name}: {problem}"
+                raise document.error(said, (*place, wrong)) from None
+    return found, tuple(events)
 
 
 def _bind(
@@ -227,30 +250,26 @@ def _check_claims(
     document: Document,
     places: Mapping[str, Path_],
 ) -> None:
-    """Whatever claims a joint must do so one after the other.
-
-    For each joint, `depth` counts its claimants along the longest chain that leads to a
-    sub-task; the k-th claimant in the order must be the k-th of one chain.
-    """
-    depth: dict[str, NDArray[np.int64]] = {}
-    claimed = np.zeros(body.nv, dtype=np.int64)
-    last: dict[int, str] = {}
-    for name, field in zip(graph.order, fields, strict=True):
-        above = [depth[p] for p in graph.graph.predecessors(name)]
-        mine = np.max(above, axis=0) if above else np.zeros(body.nv, dtype=np.int64)
-        mine = mine.copy()
-        mine[field.claims] += 1
-        claimed[field.claims] += 1
-        for dof in field.claims:
-            if mine[dof] != claimed[dof]:
-                other = last[int(dof)]
+    """Whatever claims a joint must do so one at a time: in order, or on different branches."""
+    masks: dict[int, int] = {}  # per joint, who claims it
+    branches: dict[int, Known] = {}
+    uncertain = any(s.depends or s.while_ for s in graph.spec.subtasks)
+    for b, (name, field, known) in enumerate(
+        zip(graph.order, fields, order_of(graph), strict=True)
+    ):
+        if known.taken or known.otherwise:
+            branches[b] = known._replace(over=0)
+        for dof in (int(dof) for dof in field.claims):
+            for a in members(masks.get(dof, 0) & ~known.over):
+                if a in branches and branches[a].excludes(known):
+                    continue
+                neither = "they may run at once" if uncertain else "neither comes after the other"
                 raise document.error(
-                    f"{name!r} and {other!r} both claim {body.dof_name(int(dof))}, and neither"
-                    " comes after the other: name one in the other's 'after'",
+                    f"{name!r} and {graph.order[a]!r} both claim {body.dof_name(dof)}, and"
+                    f" {neither}: name one in the other's 'after'",
                     places[name],
                 )
-            last[int(dof)] = name
-        depth[name] = mine
+            masks[dof] = masks.get(dof, 0) | 1 << b
 
 
 __all__ = ["BoundTask", "SpecError", "bind_task"]

@@ -7,8 +7,11 @@ from functools import cached_property
 import networkx as nx
 
 from sim import unknown
-from specs.reading import Document
+from specs.conditions import Join
+from specs.reading import Document, Path_
 from specs.task import SubTask, TaskSpec
+
+AFTER, OTHERWISE, WHILE = "after", "otherwise", "while"  # kinds of edges
 
 
 @dataclass(frozen=True)
@@ -31,12 +34,24 @@ class TaskGraph:
 
     @cached_property
     def planned(self) -> dict[str, tuple[float, float]]:
-        """Planned start and end of each sub-task [s], all of them on time."""
+        """Planned start and end of each sub-task [s], all on time and no branch left out."""
         times: dict[str, tuple[float, float]] = {}
         for name in self.order:
-            start = max((times[p][1] for p in self.graph.predecessors(name)), default=0.0)
-            times[name] = start, start + self.spec.duration(self.subtasks[name])
+            subtask = self.subtasks[name]
+            if subtask.while_ is not None:
+                times[name] = times[subtask.while_]
+                continue
+            ends = [self._leaves(p, name, times[p]) for p in self.graph.predecessors(name)]
+            start = (max if subtask.policy == "all" else min)(ends, default=0.0)
+            times[name] = start, start + subtask.times * self.spec.duration(subtask)
         return times
+
+    def _leaves(self, name: str, to: str, planned: tuple[float, float]) -> float:
+        """When a sub-task lets another begin: if it gives up, at the end of its patience."""
+        subtask, (start, end) = self.subtasks[name], planned
+        if self.graph.edges[name, to]["kind"] == AFTER:
+            return end
+        return start if subtask.if_ else max(end, start + (subtask.timeout or 0.0))
 
     @property
     def duration(self) -> float:
@@ -53,22 +68,27 @@ def build_graph(spec: TaskSpec, document: Document | None = None) -> TaskGraph:
         document: what it was read from, so that errors can say where.
 
     Raises:
-        SpecError: a sub-task waits for one that does not exist, or for itself.
+        SpecError: a sub-task waits for one that does not exist, or for itself, or is to begin
+            for two reasons.
     """
     document = document or Document(None, "")
     names = {s.name: i for i, s in enumerate(spec.subtasks)}
     graph: nx.DiGraph[str] = nx.DiGraph()
+    spared = {s.otherwise for s in spec.subtasks}  # these begin when another gives up
     previous: SubTask | None = None
     for i, subtask in enumerate(spec.subtasks):
         graph.add_node(subtask.name)
-        waits = subtask.after
-        if waits is None:
-            waits = (previous.name,) if previous else ()
-        for j, other in enumerate(waits):
-            if other not in names:
-                message = unknown("sub-task", other, names)
-                raise document.error(message, ("subtasks", i, "after", j))
-            graph.add_edge(other, subtask.name)
+        if subtask.name in spared and subtask.after is not None:
+            giver = next(s.name for s in spec.subtasks if s.otherwise == subtask.name)
+            said = f"{subtask.name!r} is the 'otherwise' of {giver!r}, and so takes no 'after'"
+            raise document.error(said, ("subtasks", i, "after"), key=True)
+        for other, path in _awaited(subtask, i, previous, subtask.name in spared):
+            _join(graph, names, other, subtask.name, AFTER, document, path)
+        if (one := subtask.while_) is not None:
+            _join(graph, names, one, subtask.name, WHILE, document, ("subtasks", i, WHILE))
+        if (then := subtask.otherwise) is not None:
+            place = ("subtasks", i, OTHERWISE)
+            _join(graph, names, subtask.name, then, OTHERWISE, document, place)
         previous = subtask
     if not nx.is_directed_acyclic_graph(graph):
         cycle = [a for a, _ in nx.find_cycle(graph)]
@@ -78,12 +98,50 @@ def build_graph(spec: TaskSpec, document: Document | None = None) -> TaskGraph:
     return TaskGraph(spec, graph)
 
 
+def _awaited(
+    subtask: SubTask, i: int, previous: SubTask | None, spared: bool
+) -> list[tuple[str, Path_]]:
+    """What a sub-task comes after, and where the file says so."""
+    here = ("subtasks", i, "after")
+    if isinstance(subtask.after, Join):
+        policy = subtask.policy
+        return [(name, (*here, policy, j)) for j, name in enumerate(subtask.after.names)]
+    if subtask.after is not None:
+        return [(name, (*here, j)) for j, name in enumerate(subtask.after)]
+    if previous is None or spared or subtask.while_ is not None:
+        return []
+    return [(previous.name, here)]
+
+
+def _join(
+    graph: "nx.DiGraph[str]",
+    names: dict[str, int],
+    one: str,
+    then: str,
+    kind: str,
+    document: Document,
+    place: Path_,
+) -> None:
+    """Add an edge."""
+    for name in (one, then):
+        if name not in names:
+            raise document.error(unknown("sub-task", name, names), place)
+    if kind != AFTER and graph.has_node(then) and graph.in_degree(then):
+        (giver, *_) = graph.predecessors(then)
+        said = f"{then!r} begins because of {giver!r} already"
+        raise document.error(said, place)
+    graph.add_edge(one, then, kind=kind)
+
+
 def to_mermaid(task: TaskGraph) -> str:
     """The graph as a Mermaid flowchart."""
     ids = {name: f"s{i}" for i, name in enumerate(task.order)}
     lines = ["flowchart TD"]
     lines += [f'    {ids[name]}["{_label(task, name, "<br>")}"]' for name in task.order]
-    lines += [f"    {ids[a]} --> {ids[b]}" for a, b in _edges(task)]
+    for a, b in _edges(task):
+        kind = _kind(task, a, b)
+        arrow = {AFTER: "-->", OTHERWISE: "-. otherwise .->", WHILE: "-. while .->"}
+        lines.append(f"    {ids[a]} {arrow.get(kind, f'-->|{kind}|')} {ids[b]}")
     return "\n".join(lines) + "\n"
 
 
@@ -94,13 +152,17 @@ def to_dot(task: TaskGraph) -> str:
     for name in task.order:
         label = json.dumps(_label(task, name, "\n"), ensure_ascii=False)
         lines.append(f"    {ids[name]} [label={label}];")
-    lines += [f"    {ids[a]} -> {ids[b]};" for a, b in _edges(task)]
+    for a, b in _edges(task):
+        kind = _kind(task, a, b)
+        dashed = " style=dashed" if kind in (OTHERWISE, WHILE) else ""
+        more = "" if kind == AFTER else f' [label="{kind}"{dashed}]'
+        lines.append(f"    {ids[a]} -> {ids[b]}{more};")
     return "\n".join([*lines, "}"]) + "\n"
 
 
 def to_json(task: TaskGraph) -> str:
     """The graph as JSON: nodes with their primitive, planned times and words; edges."""
-    nodes = []
+    nodes: list[dict[str, object]] = []
     for name in task.order:
         does, (start, end) = task.subtasks[name].does, task.planned[name]
         nodes.append(
@@ -114,7 +176,12 @@ def to_json(task: TaskGraph) -> str:
                 "end": round(end, 6),
             }
         )
-    edges = [{"from": a, "to": b} for a, b in _edges(task)]
+        if circumstances := task.subtasks[name].circumstances:
+            nodes[-1]["circumstances"] = circumstances
+    edges = []
+    for a, b in _edges(task):
+        kind = _kind(task, a, b)
+        edges.append({"from": a, "to": b} | ({} if kind == AFTER else {"kind": kind}))
     whole = {"task": task.spec.task, "tempo": task.spec.tempo, "nodes": nodes, "edges": edges}
     return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
 
@@ -124,9 +191,18 @@ def _edges(task: TaskGraph) -> list[tuple[str, str]]:
     return sorted(task.graph.edges, key=lambda e: (place[e[0]], place[e[1]]))
 
 
+def _kind(task: TaskGraph, one: str, then: str) -> str:
+    """What an edge means: `after`, `any`, `first`, `otherwise` or `while`."""
+    kind: str = task.graph.edges[one, then]["kind"]
+    policy = task.subtasks[then].policy
+    return policy if kind == AFTER and policy != "all" else kind
+
+
 def _label(task: TaskGraph, name: str, newline: str) -> str:
     subtask = task.subtasks[name]
     said = subtask.words or name
     start, end = task.planned[name]
     label = f"{said}{newline}{subtask.does.kind}, {start:.2f}-{end:.2f} s"
+    if subtask.circumstances:
+        label += newline + subtask.circumstances
     return label.replace('"', "'")

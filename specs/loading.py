@@ -11,11 +11,19 @@ from primitives import Primitive
 from sim import unknown
 from specs.available import available_primitives
 from specs.blame import told
+from specs.conditions import Condition, Join, Repeat
 from specs.errors import SpecError
 from specs.reading import Document, Path_, read_file, read_text
-from specs.task import Background, SubTask, TaskSpec
+from specs.task import Background, SubTask, TaskSpec, keys_of
 
 Model = TypeVar("Model", bound=BaseModel)
+PARTS: dict[str | int, type[BaseModel]] = {  # what stands below a key of a sub-task
+    "after": Join,
+    "if": Condition,
+    "done": Condition,
+    "repeat": Repeat,
+    "until": Condition,
+}
 LIBRARY = Path(str(files("specs") / "library"))
 
 
@@ -114,7 +122,7 @@ def _step(
         raise document.error(f"'primitive' is missing (there are: {known})", path)
     if not isinstance(kind, str) or kind not in kinds:
         raise document.error(unknown("primitive", kind, kinds), (*path, "primitive"))
-    ours = model.model_fields.keys() - {"does"}
+    ours = keys_of(model).keys() - {"does"}
     theirs = kinds[kind].model_fields.keys() - {"kind"}
     for key in item:
         if key not in ours | theirs | {"primitive"}:
@@ -182,7 +190,9 @@ def _said(problem: dict[str, Any], place: Path_, model: type[BaseModel]) -> str:
     kind, given, loc = problem["type"], problem.get("input"), problem["loc"]
     name = _name(place)
     if kind == "extra_forbidden":
-        return unknown("key", loc[-1], model.model_fields if len(loc) == 1 else ())
+        inner = [PARTS[step] for step in loc[:-1] if step in PARTS]
+        around = model if len(loc) == 1 else inner[-1] if inner else None
+        return unknown("key", loc[-1], around.model_fields if around else ())
     if kind == "missing":
         return f"{loc[-1]!r} is missing"
     if kind in ("value_error", "assertion_error"):

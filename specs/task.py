@@ -5,10 +5,10 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validator
 
 from primitives import Primitive
+from specs.conditions import Condition, Join, Name, Positive, Repeat, Times
 from specs.errors import SpecError
-from specs.groups import Group, Name
+from specs.groups import Group
 
-Positive = Annotated[float, Field(gt=0, le=1e6)]
 NonNegative = Annotated[float, Field(ge=0, le=1e6)]
 
 
@@ -20,7 +20,9 @@ class _Doing(BaseModel):
     is in Python `SubTask(name="wave", does=Oscillate(limb="right_arm"))`.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True
+    )
 
     name: Name
     does: SerializeAsAny[Primitive]
@@ -36,10 +38,14 @@ class SubTask(_Doing):
     words: str = ""  # what one would say to a person
     beats: Positive | None = None  # how long it takes; one beat by default
     seconds: Positive | None = None  # the same in seconds
-    after: tuple[Name, ...] | None = None  # what must be over before; default: the one above
-    done: Literal["on-time", "reached"] = "on-time"  # when it is over
+    after: tuple[Name, ...] | Join | None = None  # what must be over before; default: one above
+    while_: Annotated[Name | None, Field(alias="while")] = None  # on as long as this one is on
+    if_: Annotated[Condition | None, Field(alias="if")] = None  # else it is skipped
+    done: Literal["on-time", "reached"] | Condition = "on-time"  # when it is over
     tolerance: Positive | None = None  # what counts as reached, in the primitive's unit
-    timeout: Positive | None = None  # [s] after which one that waits to be reached gives up
+    timeout: Positive | None = None  # [s] after which one that waits for something gives up
+    otherwise: Name | None = None  # what begins instead when it gave up, or `if` did not hold
+    repeat: Times | Repeat = 1  # how often it is done
     hand_over: NonNegative | None = None  # [s] cross-fade from what moved its joints before
 
     @model_validator(mode="after")
@@ -50,7 +56,68 @@ class SubTask(_Doing):
             raise ValueError("done: reached needs a tolerance and a timeout")
         if self.done == "on-time" and (self.tolerance is not None or self.timeout is not None):
             raise ValueError("tolerance and timeout go with done: reached")
+        if isinstance(self.done, Condition) and self.tolerance is not None:
+            raise ValueError("tolerance goes with done: reached")
+        if isinstance(self.done, Condition) and self.timeout is None:
+            raise ValueError("done: a condition needs a timeout")
+        reasons = (self.timeout, self.if_, self.until)
+        if self.otherwise is not None and all(reason is None for reason in reasons):
+            raise ValueError("otherwise goes with a timeout, with if, or with repeat: until")
+        if self.while_ is not None and not self._only_while:
+            raise ValueError("while goes without after, if, done, otherwise and repeat")
         return self
+
+    @property
+    def _only_while(self) -> bool:
+        others = (self.after, self.if_, self.otherwise)
+        return others == (None, None, None) and self.done == "on-time" and self.repeat == 1
+
+    @property
+    def until(self) -> Condition | None:
+        """What it is repeated until."""
+        return self.repeat.until if isinstance(self.repeat, Repeat) else None
+
+    @property
+    def times(self) -> int:
+        """How often it is done, at most."""
+        return self.repeat.times if isinstance(self.repeat, Repeat) else self.repeat
+
+    @property
+    def policy(self) -> str:
+        """How many of those that it comes after must be over: `all`, `any` or `first`."""
+        return self.after.policy if isinstance(self.after, Join) else "all"
+
+    @property
+    def conditions(self) -> dict[str, Condition]:
+        """Its conditions, by the key that they stand under."""
+        done = self.done if isinstance(self.done, Condition) else None
+        given = {"if": self.if_, "done": done, "repeat": self.until}
+        return {key: condition for key, condition in given.items() if condition is not None}
+
+    @property
+    def depends(self) -> bool:
+        """Whether it is not known beforehand when it begins or ends."""
+        waits = self.done != "on-time" or self.policy != "all" or self.otherwise is not None
+        return waits or bool(self.conditions)
+
+    @property
+    def circumstances(self) -> str:
+        """Its conditions in words; nothing for one that is simply done."""
+        said = [f"if {self.if_}"] if self.if_ else []
+        if self.while_:
+            said.append(f"while {self.while_}")
+        if self.done != "on-time":
+            said.append(f"until {self.done}")
+        if self.until:
+            said.append(f"repeated until {self.until}, at most {self.times} times")
+        elif self.times > 1:
+            said.append(f"{self.times} times")
+        return ", ".join(said)
+
+
+def keys_of(model: type[BaseModel]) -> dict[str, str]:
+    """The names of a model's fields by the keys that a task file uses."""
+    return {field.alias or name: name for name, field in model.model_fields.items()}
 
 
 class TaskSpec(BaseModel):

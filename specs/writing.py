@@ -3,9 +3,10 @@
 from io import StringIO
 from typing import Any
 
+from pydantic import BaseModel
 from ruamel.yaml import YAML
 
-from specs.task import Background, SubTask, TaskSpec
+from specs.task import Background, SubTask, TaskSpec, keys_of
 
 
 def task_to_yaml(spec: TaskSpec) -> str:
@@ -32,10 +33,17 @@ def task_to_yaml(spec: TaskSpec) -> str:
 def _step(step: Background | SubTask) -> dict[str, Any]:
     """Our own keys, and beside them the primitive's: as a task file writes them."""
     written: dict[str, Any] = {"name": step.name}
-    for key, field in type(step).model_fields.items():
-        value = getattr(step, key)
-        if key not in ("name", "does") and value != field.default:
-            written[key] = list(value) if isinstance(value, tuple) else value
+    for key, name in keys_of(type(step)).items():
+        value = getattr(step, name)
+        if key not in ("name", "does") and value != type(step).model_fields[name].default:
+            written[key] = _plain(value)
     parameters = step.does.model_dump(mode="json", exclude_defaults=True)
     parameters.pop("kind", None)
     return written | {"primitive": step.does.kind} | parameters
+
+
+def _plain(value: Any) -> Any:
+    """A value as YAML writes it."""
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json", exclude_defaults=True)
+    return list(value) if isinstance(value, tuple) else value
