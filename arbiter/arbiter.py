@@ -14,6 +14,7 @@ from arbiter.errors import ArbiterError
 from arbiter.kernel import ACT, WALK, control
 from arbiter.plan import DONE, LOG, SLOT, TIMED_OUT, Plan, make_plan
 from arbiter.run import Parts, Run
+from arbiter.safety import SafetyFilter
 from primitives import Field
 from primitives.compiled_field import CompiledField
 from primitives.mechanics import dof_table, link_table
@@ -23,6 +24,7 @@ from specs import BoundTask
 from specs.blame import told
 
 FloatArray = NDArray[np.float64]
+SAFETY = "safety"  # as the safety filter is called among the primitives
 SHARE_FROM = 256  # simulations: below, waking another thread costs more than it saves
 
 
@@ -50,6 +52,7 @@ class Arbiter:
         self.names: tuple[str, ...] = (
             *(b.name for b in task.spec.background),
             *task.graph.order,
+            *((SAFETY,) if task.spec.safety == "filter" else ()),
         )
         self._backgrounds = len(task.background)
         self._plain: list[tuple[int, Field]] = []  # (place among all fields, field)
@@ -68,7 +71,8 @@ class Arbiter:
         self._memory = np.zeros((n, channels + 1, memory_size(body.nv)))
         self._plain_torque = np.zeros((n, len(self._plain), body.nv))
         self._plain_error = np.zeros((n, len(self._plain)))
-        kept = (n, channels) if contributions else (0, 0)
+        self._filtered = int(task.spec.safety == "filter")
+        kept = (n, channels + self._filtered) if contributions else (0, 0)
         self._contribution = np.zeros((*kept, body.nv))
         self._torque = np.zeros((n, body.nv))
         gives_way = np.array([len(f.claims) > 0 for f in task.background], dtype=np.bool_)
@@ -85,6 +89,12 @@ class Arbiter:
         )
         self._run = Run(parts)
         self._bound: tuple[State, tuple[object, ...]] | None = None
+        self._safety: SafetyFilter | None = None
+        if self._filtered:
+            self._safety = SafetyFilter(
+                *(body, self._torque, touches, self._live, self._contribution),
+                *(self._backgrounds, self._shares, self._crew),
+            )
         self.reset()
 
     def reset(self, who: Sequence[int] | None = None) -> None:
@@ -113,6 +123,8 @@ class Arbiter:
             bad = self._control(WALK | ACT, arrays)
         if bad >= 0:
             raise self._not_finite(state, bad)
+        if self._safety is not None:
+            self._safety.apply(state)
         return self._torque
 
     # --- what happened --------------------------------------------------------------------
@@ -131,14 +143,16 @@ class Arbiter:
     @property
     def most_channels(self) -> int:
         """How many primitives can be on at once."""
-        return self._backgrounds + self.plan.slots
+        return self._backgrounds + self.plan.slots + self._filtered
 
     def channels(self, out: NDArray[np.int32]) -> None:
         """Which of `names` makes each row of `contribution`, (n, channels); -1 for nobody."""
         b = self._backgrounds
         out[:, :b] = np.arange(b)
         used = np.arange(self.plan.slots) < self._live[:, None]
-        out[:, b:] = np.where(used, self._slots["node"] + b, -1)
+        out[:, b : b + self.plan.slots] = np.where(used, self._slots["node"] + b, -1)
+        if self._filtered:
+            out[:, -1] = len(self.names) - 1
 
     def spans(self, simulation: int = 0) -> tuple[Span, ...]:
         """What became of each sub-task so far."""

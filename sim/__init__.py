@@ -4,6 +4,7 @@ from sim.bodies import BODIES, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Limb, Servo, Spring
 from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
+from sim.inertia import Inertias, inertias, mass_matrix
 from sim.motions import Motion, inverse_dynamics, site_paths, straight_motion
 from sim.planar_arm import planar_arm
 from sim.posing import ArmWords, pose
@@ -28,6 +29,7 @@ __all__ = [
     "Closest",
     "Diverged",
     "Frame",
+    "Inertias",
     "Limb",
     "Motion",
     "NoDisplay",
@@ -46,8 +48,10 @@ __all__ = [
     "State",
     "World",
     "adonis",
+    "inertias",
     "inverse_dynamics",
     "load_body",
+    "mass_matrix",
     "planar_arm",
     "pose",
     "reach",

@@ -1,0 +1,387 @@
+"""Control barrier functions: which limits the torque asked for would run into, compiled.
+
+Everything that has a limit has a distance h to it: a joint from the end of its range, two
+links from their margin. h is kept from closing faster than
+
+    alpha(h) = s (sqrt(1 + 2 w h / s) - 1),    s = A / w,
+
+which is w h near the limit, where it makes h'' + 2 w h' + w^2 h >= 0, the exponential barrier
+of second order with damping ratio 1 (Nguyen & Sreenath 2016, "Exponential control barrier
+functions"), and sqrt(2 A h) far away, where a motor that brakes with A could stop in time. As
+torques act on h'', what is asked for is
+
+    h'' >= -alpha'(h) h' - w (h' + alpha(h)),    q'' = M^-1 (tau - bias - D q' + r),
+
+linear in tau. r is what acts on the body besides, contacts and pushes: what the last step did
+that its torque does not explain, smoothed.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arbiter.dynamics import (
+    acceleration_at,
+    factor,
+    mass_matrix,
+    move,
+    solve,
+    times_mass,
+    velocity_at,
+)
+from arbiter.filtering import Filtering
+from primitives.compiled import Record, Records, compiled, compiled_entry, fingerprint
+from primitives.mechanics import (
+    Row,
+    Vector,
+    add,
+    cross,
+    dot,
+    scale,
+    subtract,
+    to_link,
+    to_world,
+    tree_centre,
+    vector,
+)
+from primitives.repulsion import closer, closest_on_segments, let_through, place, store_row
+
+FloatArray = NDArray[np.float64]
+
+MARGIN = 0.005  # kept between links that must not touch [m]
+YIELD = 0.03  # by so much a margin is lowered below contact where a hand is to touch [m]
+PACE = 20.0  # w: how fast the way that is left to a limit may shrink [1/s]
+BRAKING = 60.0  # A of two links [m/s^2]; that of a joint follows from its motor
+SPEED_PACE = 50.0  # how fast the speed that is left to a joint may shrink [1/s]
+FAR = 40.0  # two links that may draw nearer with so much more are not looked at [m/s^2]
+MOST_ROWS = 120  # pairs of geoms that one simulation can be near to
+MOST_OF_TWO = 8  # pairs of geoms of any two links
+SMOOTHING = 0.2  # share of the newest in what acts besides
+
+JOINT = np.dtype(
+    [
+        *(("armature", np.float64), ("damping", np.float64)),
+        *(("low", np.float64), ("high", np.float64), ("speed", np.float64)),
+        *(("braking", np.float64), ("limit", np.float64)),  # A [rad/s^2], torque [N m]
+    ],
+    align=True,
+)
+NEAR = 14  # of a limit: what is left, joint, links, points on them, direction, what it may
+
+
+@compiled
+def may_fall(h: float, rate: float, braking: float) -> float:
+    """The right side: by how much h'' may be negative at distance h, which changes at a rate."""
+    least = braking / PACE
+    if h <= 0.0:
+        slope, alpha = PACE, PACE * h
+    else:
+        root = np.sqrt(1.0 + 2.0 * PACE * h / least)
+        slope, alpha = PACE / root, least * (root - 1.0)
+    return float(slope * rate + PACE * (rate + alpha))
+
+
+@compiled
+def look_from(speed: float) -> float:
+    """The distance at which two links that approach with a speed first come into view [m]."""
+    y = FAR / PACE + 2.0 * speed
+    return y / PACE + y * y / (2.0 * BRAKING)
+
+
+@compiled
+def note(may: float, first: int, count: int, near: FloatArray) -> int:
+    """Where to write a pair of geoms of two links: a new row, or that of the least urgent; or -1.
+
+    Args:
+        may: by how much their distance may be accelerated; the less the more urgent.
+        first: row of the first pair of the same two links.
+        count: how many rows there are.
+        near: the rows.
+    """
+    if count < min(first + MOST_OF_TWO, near.shape[0]):
+        return count
+    k = first
+    for n in range(first + 1, count):
+        if near[n, 13] > near[k, 13]:
+            k = n
+    return k if k < count and near[k, 13] > may else -1
+
+
+@compiled
+def look_at_joints(x: Row, joints: Records, acceleration: FloatArray, near: FloatArray) -> int:
+    """Rows of `near` for the joints; returns how many, at most one for each joint's side."""
+    count = 0
+    for j in range(joints.shape[0]):
+        at, rate = x.dofs[j].qpos, x.qvel[j]
+        if at < 0 or joints[j].limit == 0.0:
+            continue
+        braking = joints[j].braking
+        for side in range(2):
+            sign = 1.0 if side == 0 else -1.0
+            may = SPEED_PACE * (joints[j].speed - sign * rate)
+            room = joints[j].high - x.qpos[at] if side == 0 else x.qpos[at] - joints[j].low
+            if room < np.inf:
+                may = min(may, may_fall(room, -sign * rate, braking))
+            if may < 2.0 * braking:
+                left = may - sign * acceleration[j]
+                near[count, 0], near[count, 1], near[count, 2] = left, j, -sign
+                count += 1
+    return count
+
+
+@compiled
+def look_at_capsules(
+    x: Row,
+    a: Record,
+    b: Record,
+    placed: FloatArray,
+    m: int,
+    n: int,
+    margin: float,
+    moving: FloatArray,
+    first: int,
+    count: int,
+    near: FloatArray,
+) -> int:
+    """One more row of `near` if two capsules are near; returns how many there are."""
+    half_a = placed[m, 3], placed[m, 4], placed[m, 5]
+    half_b = placed[n, 3], placed[n, 4], placed[n, 5]
+    middle_a = placed[m, 0], placed[m, 1], placed[m, 2]
+    middle_b = placed[n, 0], placed[n, 1], placed[n, 2]
+    between = subtract(middle_a, middle_b)
+    s, t = closest_on_segments(half_a, a.squared, half_b, b.squared, between)
+    on_a, on_b = add(middle_a, scale(s, half_a)), add(middle_b, scale(t, half_b))
+    apart = subtract(on_a, on_b)
+    distance = np.sqrt(dot(apart, apart))
+    if distance < 1e-6:
+        return count
+    normal = scale(1.0 / distance, apart)
+    rate = dot(
+        normal,
+        subtract(velocity_at(x, moving, a.link, on_a), velocity_at(x, moving, b.link, on_b)),
+    )
+    may = may_fall(distance - a.radius - b.radius - margin, rate, BRAKING)
+    if may > FAR:
+        return count
+    left = may + dot(
+        normal,
+        subtract(
+            acceleration_at(x, moving, a.link, on_a), acceleration_at(x, moving, b.link, on_b)
+        ),
+    )
+    k = note(may, first, count, near)
+    if k >= 0:
+        near[k, 0], near[k, 1], near[k, 13] = left, -1.0, may
+        near[k, 2], near[k, 3] = a.link, b.link
+        store_row(near, k, 4, on_a)
+        store_row(near, k, 7, on_b)
+        store_row(near, k, 10, normal)
+        count = max(count, k + 1)
+    return count
+
+
+@compiled
+def speed_of(moving: FloatArray, j: int) -> float:
+    """Angular speed of what joint j moves [rad/s]."""
+    if j < 0:
+        return 0.0
+    return float(np.sqrt(moving[j, 0] ** 2 + moving[j, 1] ** 2 + moving[j, 2] ** 2))
+
+
+@compiled
+def look_at_pairs(
+    x: Row,
+    guarded: Records,
+    pairs: Records,
+    capsules: Records,
+    touches: Records,
+    moving: FloatArray,
+    balls: FloatArray,
+    placed: FloatArray,
+    count: int,
+    near: FloatArray,
+) -> int:
+    """Rows of `near` for the links that must not touch; returns how many there are then."""
+    for g in range(guarded.shape[0]):
+        link = guarded[g].link
+        centre = to_world(x, link, vector(guarded[g].centre))
+        store_row(balls, g, 0, centre)
+        store_row(balls, g, 3, velocity_at(x, moving, link, centre))
+        balls[g, 6] = guarded[g].reach * speed_of(moving, x.links[link].last_dof)
+        for m in range(guarded[g].first, guarded[g].first + guarded[g].count):
+            placed[m, 6] = 0.0
+    for p in range(pairs.shape[0]):
+        ga, gb = pairs[p].a, pairs[p].b
+        a, b = guarded[ga], guarded[gb]
+        ball_a = balls[ga, 0], balls[ga, 1], balls[ga, 2]
+        ball_b = balls[gb, 0], balls[gb, 1], balls[gb, 2]
+        passing = subtract(
+            (balls[ga, 3], balls[ga, 4], balls[ga, 5]), (balls[gb, 3], balls[gb, 4], balls[gb, 5])
+        )
+        view = MARGIN + look_from(np.sqrt(dot(passing, passing)) + balls[ga, 6] + balls[gb, 6])
+        if not closer(ball_a, ball_b, a.reach + b.reach + view):
+            continue
+        kept = min(let_through(touches, a.link, b.link), let_through(touches, b.link, a.link))
+        if kept <= 0.0:
+            continue
+        margin = MARGIN - (1.0 - kept) * (MARGIN + YIELD)
+        first = count
+        ball_a = to_link(x, b.link, ball_a)
+        for n in range(b.first, b.first + b.count):
+            if not closer(ball_a, vector(capsules[n].middle), a.reach + capsules[n].reach + view):
+                continue
+            place(x, capsules, n, placed)
+            for m in range(a.first, a.first + a.count):
+                place(x, capsules, m, placed)
+                count = look_at_capsules(
+                    x, capsules[m], capsules[n], placed, m, n, margin, moving, first, count, near
+                )
+    return count
+
+
+@compiled
+def add_pull(x: Row, link: int, point: Vector, direction: Vector, out: FloatArray) -> None:
+    """out += the row n . J of a point of a link."""
+    moment = cross(subtract(point, tree_centre(x, link)), direction)
+    s = x.cdof
+    j = x.links[link].last_dof
+    while j >= 0:
+        out[j] += (
+            s[j, 0] * moment[0] + s[j, 1] * moment[1] + s[j, 2] * moment[2]
+            + s[j, 3] * direction[0] + s[j, 4] * direction[1] + s[j, 5] * direction[2]
+        )  # fmt: skip
+        j = x.dofs[j].parent
+
+
+@compiled
+def write_row(
+    x: Row, joints: Records, factored: FloatArray, near: FloatArray, k: int, row: FloatArray
+) -> float:
+    """row . u >= what is returned, u being the change of torque as a share of its limit.
+
+    The row has length 1, so that what is missing of it is a share of torque too.
+    """
+    nv = row.shape[0]
+    for j in range(nv):
+        row[j] = 0.0
+    if near[k, 1] >= 0.0:
+        row[int(near[k, 1])] = near[k, 2]
+    else:
+        n = near[k, 10], near[k, 11], near[k, 12]
+        add_pull(x, int(near[k, 2]), (near[k, 4], near[k, 5], near[k, 6]), n, row)
+        opposite = scale(-1.0, n)
+        add_pull(x, int(near[k, 3]), (near[k, 7], near[k, 8], near[k, 9]), opposite, row)
+    solve(x.dofs, factored, row)
+    square = 0.0
+    for j in range(nv):
+        row[j] *= joints[j].limit
+        square += row[j] * row[j]
+    length = np.sqrt(square)
+    if length < 1e-9:
+        return -np.inf
+    for j in range(nv):
+        row[j] /= length
+    return float(-near[k, 0] / length)
+
+
+@compiled
+def observe(
+    fresh: bool, step: float, x: Row, p: Filtering, i: int, mass: FloatArray, force: FloatArray
+) -> None:
+    """Bring p.besides[i], the torques that act besides, up to date; `force` is to work in."""
+    nv = force.shape[0]
+    if fresh:
+        for j in range(nv):
+            p.besides[i, j] = 0.0
+        return
+    for j in range(nv):
+        p.before[i, j] = (x.qvel[j] - p.before[i, j]) / step
+    times_mass(x.dofs, mass, p.before[i], force)
+    for j in range(nv):
+        unexplained = force[j] - p.applied[i, j] - p.passive[i, j]
+        p.besides[i, j] += SMOOTHING * (unexplained - p.besides[i, j])
+
+
+@compiled
+def screen_one(share: int, i: int, now: float, step: float, x: Row, bias: FloatArray, p: Filtering) -> int:
+    """Write the rows of the limits that are near if the torque runs into one; returns how many."""
+    nv = bias.shape[0]
+    mass, force, moving, near = p.mass[share], p.work[share], p.moving[share], p.near[share]
+    torque = p.torque[i]
+    mass_matrix(x, p.lumps, p.joints, step, p.whole[share], mass)
+    observe(abs(now - p.clock[i] - step) > 0.5 * step, step, x, p, i, mass, force)
+    p.clock[i] = now
+    for j in range(nv):
+        p.before[i, j] = x.qvel[j]
+        p.passive[i, j] = -bias[j] - p.joints[j].damping * x.qvel[j]
+        p.applied[i, j] = torque[j]
+        force[j] = torque[j] + p.passive[i, j] + p.besides[i, j]
+    factor(x.dofs, mass)
+    solve(x.dofs, mass, force)
+    move(x, force, moving)
+    count = look_at_joints(x, p.joints, force, near)
+    count = look_at_pairs(
+        x, p.guarded, p.pairs, p.capsules, p.touches[i], moving,
+        p.balls[share], p.placed[share], count, near,
+    )  # fmt: skip
+    for k in range(p.touches.shape[1]):
+        p.touches[i, k].share = 0.0  # so that an old one is not read again
+    runs_into = False
+    for k in range(count):
+        runs_into = runs_into or near[k, 0] < -1e-9
+    if not runs_into:
+        return 0
+    for k in range(count):
+        p.needs[i, k] = write_row(x, p.joints, mass, near, k, p.rows[i, k])
+    return count
+
+
+@compiled
+def screen_share(
+    share: int,
+    step: float,
+    time: FloatArray,
+    qpos: FloatArray,
+    qvel: FloatArray,
+    xpos: FloatArray,
+    xmat: FloatArray,
+    cdof: FloatArray,
+    cvel: FloatArray,
+    com: FloatArray,
+    bias: FloatArray,
+    p: Filtering,
+) -> int:
+    """Look at a share of the simulations; returns how many run into something."""
+    found = 0
+    for i in range(p.shares[share], p.shares[share + 1]):
+        x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], cvel[i], com[i], p.links, p.dofs)
+        p.count[i] = screen_one(share, i, time[i], step, x, bias[i], p)
+        found += p.count[i] > 0
+        for j in range(p.contribution.shape[2] if p.contribution.shape[0] else 0):
+            total = 0.0
+            for m in range(p.backgrounds[0] + p.live[i]):
+                total += p.contribution[i, m, j]
+            p.contribution[i, p.contribution.shape[1] - 1, j] = p.torque[i, j] - total
+    return found
+
+
+def _make(code: str) -> Any:
+    @compiled_entry
+    def screen(share, step, time, qpos, qvel, xpos, xmat, cdof, cvel, com, bias, r):  # type: ignore[no-untyped-def]
+        """See `screen_share`."""
+        len(code)
+        parts = Filtering(
+            r.links, r.dofs, r.lumps, r.joints, r.guarded, r.pairs, r.capsules, r.touches,
+            r.live, r.backgrounds, r.contribution, r.torque, r.applied, r.passive, r.besides,
+            r.before, r.clock, r.rows, r.needs, r.count, r.shares, r.mass, r.whole, r.moving,
+            r.work, r.balls, r.placed, r.near,
+        )  # fmt: skip
+        return screen_share(
+            share, step, time, qpos, qvel, xpos, xmat, cdof, cvel, com, bias, parts
+        )
+
+    return screen
+
+
+screen: Any = _make(fingerprint())
