@@ -13,7 +13,7 @@ torques act on h'', what is asked for is
     h'' >= -alpha'(h) h' - w (h' + alpha(h)),    q'' = M^-1 (tau - bias - D q' + r),
 
 linear in tau. r is what acts on the body besides, contacts and pushes: what the last step did
-that its torque does not explain, smoothed.
+that its torque does not explain, smoothed. Where r would help to keep a limit it is not counted on.
 """
 
 from typing import Any
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from arbiter.dynamics import (
     acceleration_at,
     factor,
+    help_at,
     mass_matrix,
     move,
     solve,
@@ -50,6 +51,7 @@ from primitives.repulsion import closer, closest_on_segments, let_through, place
 FloatArray = NDArray[np.float64]
 
 MARGIN = 0.005  # kept between links that must not touch [m]
+SPARE = 0.001  # aimed at beyond the margin, for what is left out: steps, edges, impacts [m]
 YIELD = 0.03  # by so much a margin is lowered below contact where a hand is to touch [m]
 PACE = 20.0  # w: how fast the way that is left to a limit may shrink [1/s]
 BRAKING = 60.0  # A of two links [m/s^2]; that of a joint follows from its motor
@@ -57,7 +59,7 @@ SPEED_PACE = 50.0  # how fast the speed that is left to a joint may shrink [1/s]
 FAR = 40.0  # two links that may draw nearer with so much more are not looked at [m/s^2]
 MOST_ROWS = 120  # pairs of geoms that one simulation can be near to
 MOST_OF_TWO = 8  # pairs of geoms of any two links
-SMOOTHING = 0.2  # share of the newest in what acts besides
+SMOOTHING = 0.6  # share of the newest in what acts besides
 
 JOINT = np.dtype(
     [
@@ -109,7 +111,9 @@ def note(may: float, first: int, count: int, near: FloatArray) -> int:
 
 
 @compiled
-def look_at_joints(x: Row, joints: Records, acceleration: FloatArray, near: FloatArray) -> int:
+def look_at_joints(
+    x: Row, joints: Records, acceleration: FloatArray, help_: FloatArray, near: FloatArray
+) -> int:
     """Rows of `near` for the joints; returns how many, at most one for each joint's side."""
     count = 0
     for j in range(joints.shape[0]):
@@ -124,7 +128,7 @@ def look_at_joints(x: Row, joints: Records, acceleration: FloatArray, near: Floa
             if room < np.inf:
                 may = min(may, may_fall(room, -sign * rate, braking))
             if may < 2.0 * braking:
-                left = may - sign * acceleration[j]
+                left = may - sign * acceleration[j] - max(0.0, -sign * help_[j])
                 near[count, 0], near[count, 1], near[count, 2] = left, j, -sign
                 count += 1
     return count
@@ -170,6 +174,7 @@ def look_at_capsules(
             acceleration_at(x, moving, a.link, on_a), acceleration_at(x, moving, b.link, on_b)
         ),
     )
+    left -= max(0.0, dot(normal, subtract(help_at(x, moving, a.link, on_a), help_at(x, moving, b.link, on_b))))
     k = note(may, first, count, near)
     if k >= 0:
         near[k, 0], near[k, 1], near[k, 13] = left, -1.0, may
@@ -219,13 +224,13 @@ def look_at_pairs(
         passing = subtract(
             (balls[ga, 3], balls[ga, 4], balls[ga, 5]), (balls[gb, 3], balls[gb, 4], balls[gb, 5])
         )
-        view = MARGIN + look_from(np.sqrt(dot(passing, passing)) + balls[ga, 6] + balls[gb, 6])
+        view = MARGIN + SPARE + look_from(np.sqrt(dot(passing, passing)) + balls[ga, 6] + balls[gb, 6])
         if not closer(ball_a, ball_b, a.reach + b.reach + view):
             continue
         kept = min(let_through(touches, a.link, b.link), let_through(touches, b.link, a.link))
         if kept <= 0.0:
             continue
-        margin = MARGIN - (1.0 - kept) * (MARGIN + YIELD)
+        margin = MARGIN + SPARE - (1.0 - kept) * (MARGIN + SPARE + YIELD)
         first = count
         ball_a = to_link(x, b.link, ball_a)
         for n in range(b.first, b.first + b.count):
@@ -312,15 +317,18 @@ def screen_one(share: int, i: int, now: float, step: float, x: Row, bias: FloatA
     mass_matrix(x, p.lumps, p.joints, step, p.whole[share], mass)
     observe(abs(now - p.clock[i] - step) > 0.5 * step, step, x, p, i, mass, force)
     p.clock[i] = now
+    help_ = p.help[share]
     for j in range(nv):
+        help_[j] = p.besides[i, j]
         p.before[i, j] = x.qvel[j]
         p.passive[i, j] = -bias[j] - p.joints[j].damping * x.qvel[j]
         p.applied[i, j] = torque[j]
         force[j] = torque[j] + p.passive[i, j] + p.besides[i, j]
     factor(x.dofs, mass)
     solve(x.dofs, mass, force)
-    move(x, force, moving)
-    count = look_at_joints(x, p.joints, force, near)
+    solve(x.dofs, mass, help_)
+    move(x, force, help_, moving)
+    count = look_at_joints(x, p.joints, force, help_, near)
     count = look_at_pairs(
         x, p.guarded, p.pairs, p.capsules, p.touches[i], moving,
         p.balls[share], p.placed[share], count, near,
@@ -375,7 +383,7 @@ def _make(code: str) -> Any:
             r.links, r.dofs, r.lumps, r.joints, r.guarded, r.pairs, r.capsules, r.touches,
             r.live, r.backgrounds, r.contribution, r.torque, r.applied, r.passive, r.besides,
             r.before, r.clock, r.rows, r.needs, r.count, r.shares, r.mass, r.whole, r.moving,
-            r.work, r.balls, r.placed, r.near,
+            r.work, r.help, r.balls, r.placed, r.near,
         )  # fmt: skip
         return screen_share(
             share, step, time, qpos, qvel, xpos, xmat, cdof, cvel, com, bias, parts

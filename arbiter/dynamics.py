@@ -158,15 +158,16 @@ def solve(dofs: Records, factored: FloatArray, b: FloatArray) -> None:
 
 
 @compiled
-def move(x: Row, acceleration: FloatArray, moving: FloatArray) -> None:
+def move(x: Row, acceleration: FloatArray, part: FloatArray, moving: FloatArray) -> None:
     """Velocity (columns 0 to 5) and acceleration (6 to 11) of each joint's far side, about c.
 
+    Columns 12 to 17 are the acceleration that a part (nv,) of that of the joints makes.
     Angular, then linear; spatial accelerations, as of a body-fixed point that passes c.
     """
     s = x.cdof
     for j in range(x.qvel.shape[0]):
         i, rate = x.dofs[j].parent, x.qvel[j]
-        for k in range(12):
+        for k in range(18):
             moving[j, k] = moving[i, k] if i >= 0 else 0.0
         before = moving[j]
         w, v = (before[0], before[1], before[2]), (before[3], before[4], before[5])
@@ -178,6 +179,7 @@ def move(x: Row, acceleration: FloatArray, moving: FloatArray) -> None:
             moving[j, 9 + k] += s[j, 3 + k] * acceleration[j] + shift[k] * rate
         for k in range(6):
             moving[j, k] += s[j, k] * rate
+            moving[j, 12 + k] += s[j, k] * part[j]
 
 
 @compiled
@@ -203,10 +205,21 @@ def acceleration_at(x: Row, moving: FloatArray, link: int, point: Vector) -> Vec
     return add(spatial, cross(spin, velocity))
 
 
+@compiled
+def help_at(x: Row, moving: FloatArray, link: int, point: Vector) -> Vector:
+    """The part of it that columns 12 to 17 tell of [m/s^2]."""
+    j = x.links[link].last_dof
+    if j < 0:
+        return 0.0, 0.0, 0.0
+    m, arm = moving[j], subtract(point, tree_centre(x, link))
+    return add((m[15], m[16], m[17]), cross((m[12], m[13], m[14]), arm))
+
+
 __all__ = [
     "LUMP",
     "acceleration_at",
     "factor",
+    "help_at",
     "lump_table",
     "mass_matrix",
     "move",
