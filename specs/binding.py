@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives import Field, Primitive, PrimitiveError
+from primitives import AvoidCollisions, Field, Primitive, PrimitiveError
 from sim import Body, BodyError
 from specs.blame import told
 from specs.errors import SpecError
@@ -76,6 +76,8 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     )
     _check_claims(graph, fields, body, document, places)
     _check_goals(graph, fields, document, places)
+    if spec.safety == "filter":
+        _check_safety(spec, body, document)
     start = body.home.copy()
     if spec.start is not None:
         try:
@@ -178,6 +180,20 @@ def _check_goals(
                 " of its error is empty",
                 (*places[name], "done"),
             )
+
+
+def _check_safety(spec: TaskSpec, body: Body, document: Document) -> None:
+    """The filter needs shapes whose distances it knows, and its name for itself."""
+    try:
+        if body.map.keep_apart:
+            AvoidCollisions().bind(body, np.inf)
+    except (BodyError, PrimitiveError) as problem:
+        raise document.error(f"safety: {problem}", ("safety",)) from None
+    for part, steps in (("background", spec.background), ("subtasks", spec.subtasks)):
+        for i, step in enumerate(steps):
+            if step.name == "safety":
+                message = "with safety: filter nothing else can be called 'safety'"
+                raise document.error(message, (part, i))
 
 
 def _check_claims(
