@@ -52,13 +52,14 @@ FloatArray = NDArray[np.float64]
 
 MARGIN = 0.005  # kept between links that must not touch [m]
 SPARE = 0.001  # aimed at beyond the margin, for what is left out: steps, edges, impacts [m]
+SPARE_ANGLE = 0.01  # likewise before the end of a joint's range [rad]
 YIELD = 0.03  # by so much a margin is lowered below contact where a hand is to touch [m]
 PACE = 20.0  # w: how fast the way that is left to a limit may shrink [1/s]
 BRAKING = 60.0  # A of two links [m/s^2]; that of a joint follows from its motor
 SPEED_PACE = 50.0  # how fast the speed that is left to a joint may shrink [1/s]
 FAR = 40.0  # two links that may draw nearer with so much more are not looked at [m/s^2]
 MOST_ROWS = 120  # pairs of geoms that one simulation can be near to
-MOST_OF_TWO = 8  # pairs of geoms of any two links
+MOST_OF_TWO = 12  # pairs of geoms of any two links
 SMOOTHING = 0.6  # share of the newest in what acts besides
 
 JOINT = np.dtype(
@@ -126,12 +127,52 @@ def look_at_joints(
             may = SPEED_PACE * (joints[j].speed - sign * rate)
             room = joints[j].high - x.qpos[at] if side == 0 else x.qpos[at] - joints[j].low
             if room < np.inf:
-                may = min(may, may_fall(room, -sign * rate, braking))
+                may = min(may, may_fall(room - SPARE_ANGLE, -sign * rate, braking))
             if may < 2.0 * braking:
                 left = may - sign * acceleration[j] - max(0.0, -sign * help_[j])
                 near[count, 0], near[count, 1], near[count, 2] = left, j, -sign
                 count += 1
     return count
+
+
+@compiled
+def spin(moving: FloatArray, j: int) -> Vector:
+    """Angular velocity of what joint j moves [rad/s]."""
+    if j < 0:
+        return 0.0, 0.0, 0.0
+    return moving[j, 0], moving[j, 1], moving[j, 2]
+
+
+@compiled
+def by_sliding(
+    normal: Vector,
+    passing: Vector,
+    distance: float,
+    u: Vector,
+    uu: float,
+    spin_u: Vector,
+    free_u: bool,
+    v: Vector,
+    vv: float,
+    spin_v: Vector,
+    free_v: bool,
+) -> float:
+    """What the closest points of two segments take off h'' by moving along them [m/s^2].
+
+    h is the least of f(s, t, time) over the points m + s u and n + t v, so that
+    h'' = f'' - g . F^-1 g with g and F the derivatives of f' and f by s and t. Points at the
+    end of their segment do not move along it. F of parallel segments is held off zero.
+    """
+    free_u, free_v = free_u and uu > 1e-9, free_v and vv > 1e-9
+    gu = dot(u, passing) / distance + dot(normal, cross(spin_u, u))
+    gv = -dot(v, passing) / distance - dot(normal, cross(spin_v, v))
+    if free_u and free_v:
+        uv = -dot(u, v)
+        gap = max(uu * vv - uv * uv, 0.05 * uu * vv)
+        return float(distance * (vv * gu * gu - 2.0 * uv * gu * gv + uu * gv * gv) / gap)
+    if free_u:
+        return float(distance * gu * gu / uu)
+    return float(distance * gv * gv / vv) if free_v else 0.0
 
 
 @compiled
@@ -161,10 +202,10 @@ def look_at_capsules(
     if distance < 1e-6:
         return count
     normal = scale(1.0 / distance, apart)
-    rate = dot(
-        normal,
-        subtract(velocity_at(x, moving, a.link, on_a), velocity_at(x, moving, b.link, on_b)),
+    passing = subtract(
+        velocity_at(x, moving, a.link, on_a), velocity_at(x, moving, b.link, on_b)
     )
+    rate = dot(normal, passing)
     may = may_fall(distance - a.radius - b.radius - margin, rate, BRAKING)
     if may > FAR:
         return count
@@ -174,7 +215,19 @@ def look_at_capsules(
             acceleration_at(x, moving, a.link, on_a), acceleration_at(x, moving, b.link, on_b)
         ),
     )
-    left -= max(0.0, dot(normal, subtract(help_at(x, moving, a.link, on_a), help_at(x, moving, b.link, on_b))))
+    left -= max(
+        0.0,
+        dot(
+            normal,
+            subtract(help_at(x, moving, a.link, on_a), help_at(x, moving, b.link, on_b)),
+        ),
+    )
+    left += (dot(passing, passing) - rate * rate) / distance
+    left -= by_sliding(
+        normal, passing, distance,
+        half_a, a.squared, spin(moving, x.links[a.link].last_dof), abs(s) < 0.999,
+        half_b, b.squared, spin(moving, x.links[b.link].last_dof), abs(t) < 0.999,
+    )  # fmt: skip
     k = note(may, first, count, near)
     if k >= 0:
         near[k, 0], near[k, 1], near[k, 13] = left, -1.0, may
@@ -184,14 +237,6 @@ def look_at_capsules(
         store_row(near, k, 10, normal)
         count = max(count, k + 1)
     return count
-
-
-@compiled
-def speed_of(moving: FloatArray, j: int) -> float:
-    """Angular speed of what joint j moves [rad/s]."""
-    if j < 0:
-        return 0.0
-    return float(np.sqrt(moving[j, 0] ** 2 + moving[j, 1] ** 2 + moving[j, 2] ** 2))
 
 
 @compiled
@@ -213,7 +258,8 @@ def look_at_pairs(
         centre = to_world(x, link, vector(guarded[g].centre))
         store_row(balls, g, 0, centre)
         store_row(balls, g, 3, velocity_at(x, moving, link, centre))
-        balls[g, 6] = guarded[g].reach * speed_of(moving, x.links[link].last_dof)
+        turning = spin(moving, x.links[link].last_dof)
+        balls[g, 6] = guarded[g].reach * np.sqrt(dot(turning, turning))
         for m in range(guarded[g].first, guarded[g].first + guarded[g].count):
             placed[m, 6] = 0.0
     for p in range(pairs.shape[0]):
@@ -261,33 +307,62 @@ def add_pull(x: Row, link: int, point: Vector, direction: Vector, out: FloatArra
 
 @compiled
 def write_row(
-    x: Row, joints: Records, factored: FloatArray, near: FloatArray, k: int, row: FloatArray
+    x: Row,
+    joints: Records,
+    factored: FloatArray,
+    near: FloatArray,
+    k: int,
+    pull: FloatArray,
+    row: FloatArray,
 ) -> float:
     """row . u >= what is returned, u being the change of torque as a share of its limit.
 
-    The row has length 1, so that what is missing of it is a share of torque too.
+    It is scaled by the root of J M^-1 J^T, so that what is missing of it is measured like u.
+
+    Args:
+        x: the simulation.
+        joints: JOINT.
+        factored: M.
+        near: the limits.
+        k: which of them.
+        pull: (nv,) to work in: J.
+        row: (nv,) what is filled in: J M^-1, times the torque limits.
     """
     nv = row.shape[0]
     for j in range(nv):
-        row[j] = 0.0
+        pull[j] = 0.0
     if near[k, 1] >= 0.0:
-        row[int(near[k, 1])] = near[k, 2]
+        pull[int(near[k, 1])] = near[k, 2]
     else:
         n = near[k, 10], near[k, 11], near[k, 12]
-        add_pull(x, int(near[k, 2]), (near[k, 4], near[k, 5], near[k, 6]), n, row)
+        add_pull(x, int(near[k, 2]), (near[k, 4], near[k, 5], near[k, 6]), n, pull)
         opposite = scale(-1.0, n)
-        add_pull(x, int(near[k, 3]), (near[k, 7], near[k, 8], near[k, 9]), opposite, row)
+        add_pull(x, int(near[k, 3]), (near[k, 7], near[k, 8], near[k, 9]), opposite, pull)
+    for j in range(nv):
+        row[j] = pull[j]
     solve(x.dofs, factored, row)
     square = 0.0
     for j in range(nv):
-        row[j] *= joints[j].limit
-        square += row[j] * row[j]
-    length = np.sqrt(square)
-    if length < 1e-9:
+        square += row[j] * pull[j]
+    if square < 1e-9:
         return -np.inf
+    length = np.sqrt(square)
     for j in range(nv):
-        row[j] /= length
+        row[j] *= joints[j].limit / length
     return float(-near[k, 0] / length)
+
+
+@compiled
+def write_cost(dofs: Records, joints: Records, factored: FloatArray, cost: FloatArray) -> None:
+    """cost = M^-1, times the torque limits on both sides."""
+    nv = cost.shape[0]
+    for j in range(nv):
+        for i in range(nv):
+            cost[j, i] = 0.0
+        cost[j, j] = 1.0
+        solve(dofs, factored, cost[j])
+        for i in range(nv):
+            cost[j, i] *= max(joints[j].limit, 1e-3) * max(joints[i].limit, 1e-3)
 
 
 @compiled
@@ -341,7 +416,8 @@ def screen_one(share: int, i: int, now: float, step: float, x: Row, bias: FloatA
     if not runs_into:
         return 0
     for k in range(count):
-        p.needs[i, k] = write_row(x, p.joints, mass, near, k, p.rows[i, k])
+        p.needs[i, k] = write_row(x, p.joints, mass, near, k, force, p.rows[i, k])
+    write_cost(x.dofs, p.joints, mass, p.cost[i])
     return count
 
 
@@ -382,7 +458,7 @@ def _make(code: str) -> Any:
         parts = Filtering(
             r.links, r.dofs, r.lumps, r.joints, r.guarded, r.pairs, r.capsules, r.touches,
             r.live, r.backgrounds, r.contribution, r.torque, r.applied, r.passive, r.besides,
-            r.before, r.clock, r.rows, r.needs, r.count, r.shares, r.mass, r.whole, r.moving,
+            r.before, r.clock, r.rows, r.needs, r.cost, r.count, r.shares, r.mass, r.whole, r.moving,
             r.work, r.help, r.balls, r.placed, r.near,
         )  # fmt: skip
         return screen_share(

@@ -31,9 +31,10 @@ class Filtering(NamedTuple):
     besides: Records  # (n, nv) what acted besides [N m]
     before: Records  # (n, nv) speeds at the last step [rad/s]
     clock: Records  # (n,) time of the last step [s]
-    # What it asks of the torque: rows . change >= needs, as shares of the torque limits.
+    # What it asks of the torque: rows . change >= needs, u being shares of the torque limits.
     rows: Records  # (n, most, nv)
     needs: Records  # (n, most)
+    cost: Records  # (n, nv, nv) of a change
     count: Records  # (n,) how many; 0 where the torque may stay as it is
     # How the simulations are shared out over threads, and room for each share to work in.
     shares: Records  # (shares + 1,)

@@ -25,7 +25,7 @@ from primitives.table import FieldTable, TableBuilder
 from sim import Body, State, inertias
 
 FloatArray = NDArray[np.float64]
-SOFTNESS = 1e-4  # rho: what is missing costs so much more than torque that is changed
+SOFTNESS = 1e-6  # rho: what is missing costs so much more than torque that is changed
 RESERVE = 0.5  # share of a motor's torque that braking is planned with
 NO_LIMIT = 1000.0  # [N m] against which the torque of a motor without limit is measured
 SOLVED = (1, 2)  # DAQP: optimal; optimal, with something missing
@@ -68,7 +68,7 @@ class SafetyFilter:
         self._limit = np.where(joints["limit"] > 0.0, joints["limit"], 1.0)
         self._cap = body.torque_limit
         self._braking = PACE * inertias(body).reflected
-        self._quadratic, self._linear = np.eye(nv), np.zeros(nv)
+        self._cost, self._linear = np.zeros((n, nv, nv)), np.zeros(nv)
         self._upper, self._lower = np.full((2, nv + most), np.inf)
         self._upper[:] = 1e30
         self._sense = np.zeros(nv + most, dtype=np.int32)
@@ -79,7 +79,7 @@ class SafetyFilter:
             *(table.guarded, table.pairs, table.capsules, touches, live),
             *(np.array([backgrounds]), contribution, torque),
             *(self._applied, self._passive, np.zeros((n, nv)), self._before, np.full(n, -np.inf)),
-            *(self._rows, self._needs, self._count),
+            *(self._rows, self._needs, self._cost, self._count),
             np.linspace(0, n, shares + 1).astype(np.int64),
             np.zeros((shares, nv, nv)),
             np.zeros((shares, body.model.nbody, 10)),
@@ -121,7 +121,7 @@ class SafetyFilter:
         np.subtract(-1.0, share, out=lower[:nv])
         lower[nv:] = self._needs[i, :count]
         change, _, flag, _ = daqp.solve(
-            self._quadratic, self._linear, self._rows[i, :count], upper, lower,
+            self._cost[i], self._linear, self._rows[i, :count], upper, lower,
             self._sense[:whole], rho_soft=SOFTNESS,
         )  # fmt: skip
         if flag in SOLVED:
