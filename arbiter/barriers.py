@@ -202,9 +202,7 @@ def look_at_capsules(
     if distance < 1e-6:
         return count
     normal = scale(1.0 / distance, apart)
-    passing = subtract(
-        velocity_at(x, moving, a.link, on_a), velocity_at(x, moving, b.link, on_b)
-    )
+    passing = subtract(velocity_at(x, moving, a.link, on_a), velocity_at(x, moving, b.link, on_b))
     rate = dot(normal, passing)
     may = may_fall(distance - a.radius - b.radius - margin, rate, BRAKING)
     if may > FAR:
@@ -270,7 +268,9 @@ def look_at_pairs(
         passing = subtract(
             (balls[ga, 3], balls[ga, 4], balls[ga, 5]), (balls[gb, 3], balls[gb, 4], balls[gb, 5])
         )
-        view = MARGIN + SPARE + look_from(np.sqrt(dot(passing, passing)) + balls[ga, 6] + balls[gb, 6])
+        view = (
+            MARGIN + SPARE + look_from(np.sqrt(dot(passing, passing)) + balls[ga, 6] + balls[gb, 6])
+        )
         if not closer(ball_a, ball_b, a.reach + b.reach + view):
             continue
         kept = min(let_through(touches, a.link, b.link), let_through(touches, b.link, a.link))
@@ -384,7 +384,9 @@ def observe(
 
 
 @compiled
-def screen_one(share: int, i: int, now: float, step: float, x: Row, bias: FloatArray, p: Filtering) -> int:
+def screen_one(
+    share: int, i: int, now: float, step: float, x: Row, bias: FloatArray, p: Filtering
+) -> int:
     """Write the rows of the limits that are near if the torque runs into one; returns how many."""
     nv = bias.shape[0]
     mass, force, moving, near = p.mass[share], p.work[share], p.moving[share], p.near[share]
@@ -458,12 +460,10 @@ def _make(code: str) -> Any:
         parts = Filtering(
             r.links, r.dofs, r.lumps, r.joints, r.guarded, r.pairs, r.capsules, r.touches,
             r.live, r.backgrounds, r.contribution, r.torque, r.applied, r.passive, r.besides,
-            r.before, r.clock, r.rows, r.needs, r.cost, r.count, r.shares, r.mass, r.whole, r.moving,
+            r.before, r.clock, r.rows, r.needs, r.cost, r.count, r.shares, r.mass, r.whole, r.moving,  # noqa: E501
             r.work, r.help, r.balls, r.placed, r.near,
         )  # fmt: skip
-        return screen_share(
-            share, step, time, qpos, qvel, xpos, xmat, cdof, cvel, com, bias, parts
-        )
+        return screen_share(share, step, time, qpos, qvel, xpos, xmat, cdof, cvel, com, bias, parts)
 
     return screen
 

@@ -229,7 +229,7 @@ class Body:
 
     @cached_property
     def speed_limit(self) -> FloatArray:
-        """Largest speed of each joint by the body map, (nv,) [rad/s]; infinite where it says none."""
+        """Largest speed of each joint by the body map, (nv,) [rad/s]; infinite without one."""
         limit: FloatArray = np.full(self.nv, np.inf)
         for name, degrees in self.map.speed_limits.items():
             limit[self.joints(name)] = np.deg2rad(degrees)
@@ -378,7 +378,7 @@ class Body:
         return bool(data.ncon == 0)
 
     def clearance(self, qpos: FloatArray, within: float = 0.1) -> float:
-        """Smallest distance of links that must not touch in a posture (nq,), at most `within` [m]."""
+        """Smallest distance [m] of links that must not touch, in a posture (nq,); or `within`."""
         data = mujoco.MjData(self.model)
         data.qpos[:] = qpos
         mujoco.mj_kinematics(self.model, data)

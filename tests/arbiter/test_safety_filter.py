@@ -6,14 +6,14 @@ import pytest
 from adonis.dancing import run_task
 from adonis.safety_study import NOISE, Outcome, attack, sign_changes, try_task
 from arbiter import MARGIN, Arbiter
-from arbiter.dynamics import factor, lump_table, mass_matrix
+from arbiter.dynamics import lump_table, mass_matrix
 from arbiter.safety import joint_table
+from primitives import CompensateGravity, GetPosture, GoToPoint, Place
 from primitives.compiled import compiled_entry
 from primitives.mechanics import Row, dof_table, link_table
 from sim import Body, World
 from sim import mass_matrix as mujoco_mass_matrix
 from specs import Background, SpecError, SubTask, TaskSpec, bind_task, task_from_text, task_to_yaml
-from primitives import CompensateGravity, GetPosture, GoToPoint, Place
 
 SEEDS = (4, 7, 8, 11, 19, 20)  # those among the first that came nearest to their limits
 FAR = """
@@ -25,9 +25,9 @@ background:
   - name: left
     primitive: get-posture
     joints: [left_arm]
-    posture: {left_arm: 30}
+    posture: {left_arm: 20}
 subtasks:
-  - {name: out, primitive: get-posture, limb: right_arm, seconds: 2, posture: {right_arm: 30}}
+  - {name: out, primitive: get-posture, limb: right_arm, seconds: 2, posture: {right_arm: 20}}
 """
 CHATTER = 60  # sign changes of a torque per second
 
@@ -57,9 +57,7 @@ def test_mass_matrix_is_mujocos(body: Body) -> None:
 
 @pytest.fixture(scope="module")
 def outcomes(body: Body) -> list[tuple[Outcome, Outcome]]:
-    return [
-        (try_task(body, seed, "filter")[0], try_task(body, seed, "none")[0]) for seed in SEEDS
-    ]
+    return [(try_task(body, seed, "filter")[0], try_task(body, seed, "none")[0]) for seed in SEEDS]
 
 
 def test_no_links_that_must_not_touch_come_nearer_than_their_margin(outcomes) -> None:
