@@ -1,9 +1,9 @@
 """The safety filter: the torque nearest to the one asked for that runs into no limit.
 
-    min |u - u_0|^2 / 2 + |s|^2 / (2 rho)    so that    A u + s >= b,  |u| <= 1,
+    min d . M^-1 d / 2 + |s|^2 / (2 rho)    so that    A d + s >= b,  |tau + d| <= limit,
 
-u being torque as a share of its limit, one row of A for each limit that is near (see
-`barriers`). Torque limits hold always. Where the rest cannot all hold at once, what is missing,
+d being the change of the torque, one row of A for each limit that is near (see `barriers`). That
+norm makes d what a contact force would be. Torque limits hold always. Where the rest cannot all hold at once, what is missing,
 s, is spread so that the sum of its squares is smallest; should the solver fail, all joints brake.
 """
 
@@ -15,9 +15,10 @@ import daqp
 import numpy as np
 from numpy.typing import NDArray
 
-from arbiter.barriers import JOINT, MOST_ROWS, NEAR, PACE, screen
+from arbiter.barriers import JOINT, MOST_ROWS, NEAR, PACE
 from arbiter.dynamics import lump_table
 from arbiter.filtering import Filter, Filtering
+from arbiter.screening import screen
 from primitives import AvoidCollisions
 from primitives.compiled import Records
 from primitives.mechanics import dof_table, link_table
@@ -90,7 +91,7 @@ class SafetyFilter:
             np.zeros((shares, capsules, 7)),
             np.zeros((shares, most, NEAR)),
         )
-        self._parts, self._filter = parts, Filter(parts)
+        self._filter = Filter(parts)
         self._bound: tuple[State, tuple[object, ...]] | None = None
         self.changed = 0  # how many torques were changed so far
 
