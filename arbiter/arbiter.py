@@ -15,6 +15,7 @@ from arbiter.errors import ArbiterError
 from arbiter.kernel import ACT, WALK, control
 from arbiter.plan import COURSE, DONE, LOG, OUTCOMES, PENDING, SKIPPED, SLOT, Plan, make_plan
 from arbiter.run import Parts, Run
+from arbiter.safety import SafetyFilter
 from primitives import Field
 from primitives.compiled_field import CompiledField
 from primitives.mechanics import dof_table, link_table
@@ -24,6 +25,7 @@ from specs import BoundTask
 from specs.blame import told
 
 FloatArray = NDArray[np.float64]
+SAFETY = "safety"  # as the safety filter is called among the primitives
 SHARE_FROM = 256  # simulations: below, waking another thread costs more than it saves
 
 
@@ -51,6 +53,7 @@ class Arbiter:
         self.names: tuple[str, ...] = (
             *(b.name for b in task.spec.background),
             *task.graph.order,
+            *((SAFETY,) if task.spec.safety == "filter" else ()),
         )
         self._backgrounds = len(task.background)
         self._plain: list[tuple[int, Field]] = []  # (place among all fields, field)
@@ -72,7 +75,8 @@ class Arbiter:
         self._plain_torque = np.zeros((n, len(self._plain), body.nv))
         self._plain_error = np.zeros((n, len(self._plain)))
         grouped = bool(task.spec.groups)
-        kept = (n, channels) if contributions or grouped else (0, 0)
+        self._filtered = int(task.spec.safety == "filter")
+        kept = (n, channels + self._filtered) if contributions or grouped else (0, 0)
         self._contribution = np.zeros((*kept, body.nv))
         self._activation = np.zeros((*(kept if grouped else (0, 0)), body.nv))
         self._combination = Combination(task, self.names, n) if grouped else None
@@ -100,6 +104,12 @@ class Arbiter:
         )
         self._run = Run(parts)
         self._bound: tuple[State, tuple[object, ...]] | None = None
+        self._safety: SafetyFilter | None = None
+        if self._filtered:
+            self._safety = SafetyFilter(
+                *(body, self._torque, touches, self._live, self._contribution),
+                *(self._backgrounds, self._shares, self._crew),
+            )
         self.reset()
 
     def reset(self, who: Sequence[int] | None = None) -> None:
@@ -137,6 +147,8 @@ class Arbiter:
             raise self._not_finite(state, bad)
         if self._combination is not None:
             self._combine(self._combination, state)
+        if self._safety is not None:
+            self._safety.apply(state)
         return self._torque
 
     # --- from outside ---------------------------------------------------------------------
@@ -180,14 +192,16 @@ class Arbiter:
     @property
     def most_channels(self) -> int:
         """How many primitives can be on at once."""
-        return self._backgrounds + self.plan.slots
+        return self._backgrounds + self.plan.slots + self._filtered
 
     def channels(self, out: NDArray[np.int32]) -> None:
         """Which of `names` makes each row of `contribution`, (n, channels); -1 for nobody."""
         b = self._backgrounds
         out[:, :b] = np.arange(b)
         used = np.arange(self.plan.slots) < self._live[:, None]
-        out[:, b:] = np.where(used, self._slots["node"] + b, -1)
+        out[:, b : b + self.plan.slots] = np.where(used, self._slots["node"] + b, -1)
+        if self._filtered:
+            out[:, -1] = len(self.names) - 1
 
     def spans(self, simulation: int = 0) -> tuple[Span, ...]:
         """What became of each sub-task so far."""
@@ -210,7 +224,11 @@ class Arbiter:
     def _combine(self, combination: Combination, state: State) -> None:
         """Replace the sum by what the groups make of it, within the motors' limits."""
         self.channels(self._who)
-        combination.apply(state, self._contribution, self._activation, self._who, self._torque)
+        asked = self._backgrounds + self.plan.slots  # behind them stands the safety filter
+        combination.apply(
+            state, self._contribution[:, :asked], self._activation, self._who[:, :asked],
+            self._torque,
+        )  # fmt: skip
         limit = self.task.body.torque_limit
         np.clip(self._torque, -limit, limit, out=self._torque)
 

@@ -5,6 +5,7 @@ from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
 from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
+from sim.inertia import Inertias, inertias, mass_matrix
 from sim.motions import Motion, inverse_dynamics, site_paths, straight_motion
 from sim.planar_arm import planar_arm
 from sim.posing import ArmWords, pose
@@ -31,6 +32,7 @@ __all__ = [
     "Frame",
     "Gaze",
     "Head",
+    "Inertias",
     "Limb",
     "Motion",
     "NoDisplay",
@@ -51,8 +53,10 @@ __all__ = [
     "adonis",
     "carrier",
     "find_gaze",
+    "inertias",
     "inverse_dynamics",
     "load_body",
+    "mass_matrix",
     "moving_dofs",
     "planar_arm",
     "pose",

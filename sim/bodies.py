@@ -20,6 +20,8 @@ ARM = ("shoulder_y", "shoulder_x", "shoulder_z", "elbow", "wrist_z", "wrist_x", 
 # damping ratio of all: how briskly a person holds a posture. The gains follow from the body.
 FREQUENCY = {"waist": 3.0, "neck": 3.5, "shoulder": 3.0, "elbow": 4.0, "wrist": 6.0}
 DAMPING_RATIO = 0.8
+# Largest speed of each joint [deg/s], which the safety filter keeps; a quick person's.
+SPEED = {"waist": 250.0, "neck": 500.0, "shoulder": 800.0, "elbow": 900.0, "wrist": 1200.0}
 
 SPRING = Spring(
     stiffness=1500.0,
@@ -82,6 +84,7 @@ def adonis(
             landmarks=LANDMARKS,
             postures={"upright": upright, "rest": upright | rest},
             servos=_servos(spec.compile()),
+            speed_limits={name: _part(name, SPEED) for name in upright | rest},
             keep_apart=_keep_apart(),
             upright=("waist", "neck"),
         ),
@@ -125,12 +128,16 @@ def _servos(model: mujoco.MjModel) -> dict[str, Servo]:
     servos = {}
     for j in range(model.njnt):
         name = model.joint(j).name
-        part = next(p for p in FREQUENCY if p in name)
-        rate, inertia = 2.0 * np.pi * FREQUENCY[part], mass[j, j]
+        rate, inertia = 2.0 * np.pi * _part(name, FREQUENCY), mass[j, j]
         servos[name] = Servo(
             stiffness=float(rate**2 * inertia), damping=float(2.0 * DAMPING_RATIO * rate * inertia)
         )
     return servos
+
+
+def _part(joint: str, numbers: dict[str, float]) -> float:
+    """The number of the part that a joint belongs to."""
+    return next(number for part, number in numbers.items() if part in joint)
 
 
 def _keep_apart() -> tuple[tuple[str, str], ...]:

@@ -228,6 +228,14 @@ class Body:
         return limit
 
     @cached_property
+    def speed_limit(self) -> FloatArray:
+        """Largest speed of each joint by the body map, (nv,) [rad/s]; infinite without one."""
+        limit: FloatArray = np.full(self.nv, np.inf)
+        for name, degrees in self.map.speed_limits.items():
+            limit[self.joints(name)] = np.deg2rad(degrees)
+        return limit
+
+    @cached_property
     def motor_dofs(self) -> IntArray:
         """The degree of freedom that each motor drives, (nu,)."""
         dofs: IntArray = self.model.jnt_dofadr[self.model.actuator_trnid[:, 0]].astype(np.int32)
@@ -393,6 +401,19 @@ class Body:
         mujoco.mj_collision(self.model, data)
         return bool(data.ncon == 0)
 
+    def clearance(self, qpos: FloatArray, within: float = 0.1) -> float:
+        """Smallest distance [m] of links that must not touch, in a posture (nq,); or `within`."""
+        data = mujoco.MjData(self.model)
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(self.model, data)
+        least = within
+        for names in self.map.keep_apart:
+            one, other = (self._colliding(self.link(name)) for name in names)
+            for a in one:
+                for b in other:
+                    least = min(least, mujoco.mj_geomDistance(self.model, data, a, b, least, None))
+        return float(least)
+
     def _colliding(self, link: int) -> list[int]:
         """The geoms of a link that can collide."""
         of_link = np.flatnonzero(self.model.geom_bodyid == link)
@@ -426,6 +447,8 @@ class Body:
             self.landmark(landmark)
         for posture in self.map.postures:
             self.posture(posture)
+        for name in self.map.speed_limits:
+            self.joints(name)
         for pair in self.map.keep_apart:
             for name in pair:
                 self.link(name)

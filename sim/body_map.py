@@ -74,5 +74,6 @@ class BodyMap(_Frozen):
     postures: dict[str, dict[str, Angle]] = {}  # joint -> angle [deg]
     home: str = "rest"  # the posture a simulation starts in
     servos: dict[str, Servo]
+    speed_limits: dict[str, Positive] = {}  # joint -> its largest speed [deg/s]; else no limit
     keep_apart: tuple[tuple[str, str], ...] = ()  # pairs of links that must not touch
     upright: tuple[str, ...] = ()  # joint groups that stay at home unless a task moves them

@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives import CompensateGravity, Field, Primitive, PrimitiveError, Relax
+from primitives import (
+    AvoidCollisions,
+    CompensateGravity,
+    Field,
+    Primitive,
+    PrimitiveError,
+    Relax,
+)
 from sim import Body, BodyError
 from specs.blame import told
 from specs.conditions import BoundCondition, Condition, bind_condition
@@ -97,6 +104,8 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     named |= zip(graph.order, fields, strict=True)
     check_groups(spec.groups, named, document)
     _check_limp(spec, document)
+    if spec.safety == "filter":
+        _check_safety(spec, body, document)
     start = body.home.copy()
     if spec.start is not None:
         try:
@@ -241,6 +250,20 @@ def _check_limp(spec: TaskSpec, document: Document) -> None:
                 " nothing in the background does: leave it out, the limb falls by itself",
                 (*path, "limp"),
             )
+
+
+def _check_safety(spec: TaskSpec, body: Body, document: Document) -> None:
+    """The filter needs shapes whose distances it knows, and its name for itself."""
+    try:
+        if body.map.keep_apart:
+            AvoidCollisions().bind(body, np.inf)
+    except (BodyError, PrimitiveError) as problem:
+        raise document.error(f"safety: {problem}", ("safety",)) from None
+    for part, steps in (("background", spec.background), ("subtasks", spec.subtasks)):
+        for i, step in enumerate(steps):
+            if step.name == "safety":
+                message = "with safety: filter nothing else can be called 'safety'"
+                raise document.error(message, (part, i))
 
 
 def _check_claims(

@@ -132,6 +132,7 @@ class TaskSpec(BaseModel):
     start: str | None = None  # posture of the body to begin in; default: its home
     hand_over: NonNegative = 0.1  # [s] cross-fade between sub-tasks that claim the same joints
     coda: NonNegative = 1.0  # beats for which the last goals are held
+    safety: Literal["none", "filter"] = "none"  # what comes after all torques are summed
     background: tuple[Background, ...] = ()
     groups: tuple[Group, ...] = ()  # what is combined by another rule than the sum
     subtasks: Annotated[tuple[SubTask, ...], Field(min_length=1)]

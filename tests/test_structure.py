@@ -21,6 +21,7 @@ OWNERS = {
     "rich": {"adonis"},
     "matplotlib": {"adonis"},
     "mink": {"sim"},
+    "daqp": {"arbiter"},
     "scipy": {"adonis"},
     "jinja2": {"adonis"},
 }

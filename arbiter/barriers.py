@@ -1,0 +1,278 @@
+"""Control barrier functions: which limits the torque asked for would run into, compiled.
+
+Everything that has a limit has a distance h to it: a joint from the end of its range, two
+links from their margin. h is kept from closing faster than
+
+    alpha(h) = s (sqrt(1 + 2 w h / s) - 1),    s = A / w,
+
+which is w h near the limit, where it makes h'' + 2 w h' + w^2 h >= 0, the exponential barrier
+of second order with damping ratio 1 (Nguyen & Sreenath 2016, "Exponential control barrier
+functions"), and sqrt(2 A h) far away, where a motor that brakes with A could stop in time. As
+torques act on h'', what is asked for is
+
+    h'' >= -alpha'(h) h' - w (h' + alpha(h)),    q'' = M^-1 (tau - bias - D q' + r),
+
+linear in tau. r is what acts on the body besides, contacts and pushes: what the last step did
+that its torque does not explain, smoothed. Where r would help to keep a limit it is not counted on.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arbiter.dynamics import acceleration_at, help_at, velocity_at
+from primitives.compiled import Record, Records, compiled
+from primitives.mechanics import (
+    Row,
+    Vector,
+    add,
+    cross,
+    dot,
+    scale,
+    subtract,
+    to_link,
+    to_world,
+    vector,
+)
+from primitives.repulsion import closer, closest_on_segments, let_through, place, store_row
+
+FloatArray = NDArray[np.float64]
+
+MARGIN = 0.005  # kept between links that must not touch [m]
+SPARE = 0.001  # aimed at beyond the margin, for what is left out: steps, edges, impacts [m]
+SPARE_ANGLE = 0.02  # likewise before the end of a joint's range [rad]
+YIELD = 0.03  # by so much a margin is lowered below contact where a hand is to touch [m]
+PACE = 20.0  # w: how fast the way that is left to a limit may shrink [1/s]
+BRAKING = 60.0  # A of two links [m/s^2]; that of a joint follows from its motor
+SPEED_PACE = 50.0  # how fast the speed that is left to a joint may shrink [1/s]
+FAR = 40.0  # two links that may draw nearer with so much more are not looked at [m/s^2]
+MOST_ROWS = 240  # pairs of geoms that one simulation can be near to
+MOST_OF_TWO = 12  # pairs of geoms of any two links
+SMOOTHING = 0.8  # share of the newest in what acts besides
+
+JOINT = np.dtype(
+    [
+        *(("armature", np.float64), ("damping", np.float64)),
+        *(("low", np.float64), ("high", np.float64), ("speed", np.float64)),
+        *(("braking", np.float64), ("limit", np.float64)),  # A [rad/s^2], torque [N m]
+    ],
+    align=True,
+)
+NEAR = 14  # of a limit: what is left, joint, links, points on them, direction, what it may
+
+
+@compiled
+def may_fall(h: float, rate: float, braking: float) -> float:
+    """The right side: by how much h'' may be negative at distance h, which changes at a rate."""
+    least = braking / PACE
+    if h <= 0.0:
+        slope, alpha = PACE, PACE * h
+    else:
+        root = np.sqrt(1.0 + 2.0 * PACE * h / least)
+        slope, alpha = PACE / root, least * (root - 1.0)
+    return float(slope * rate + PACE * (rate + alpha))
+
+
+@compiled
+def look_from(speed: float) -> float:
+    """The distance at which two links that approach with a speed first come into view [m]."""
+    y = FAR / PACE + 2.0 * speed
+    return y / PACE + y * y / (2.0 * BRAKING)
+
+
+@compiled
+def note(may: float, first: int, count: int, near: FloatArray) -> int:
+    """Where to write a pair of geoms of two links: a new row, or that of the least urgent; or -1.
+
+    Args:
+        may: by how much their distance may be accelerated; the less the more urgent.
+        first: row of the first pair of the same two links.
+        count: how many rows there are.
+        near: the rows.
+    """
+    if count < min(first + MOST_OF_TWO, near.shape[0]):
+        return count
+    k = first
+    for n in range(first + 1, count):
+        if near[n, 13] > near[k, 13]:
+            k = n
+    return k if k < count and near[k, 13] > may else -1
+
+
+@compiled
+def look_at_joints(
+    x: Row, joints: Records, acceleration: FloatArray, help_: FloatArray, near: FloatArray
+) -> int:
+    """Rows of `near` for the joints; returns how many, at most one for each joint's side."""
+    count = 0
+    for j in range(joints.shape[0]):
+        at, rate = x.dofs[j].qpos, x.qvel[j]
+        if at < 0 or joints[j].limit == 0.0:
+            continue
+        braking = joints[j].braking
+        for side in range(2):
+            sign = 1.0 if side == 0 else -1.0
+            may = SPEED_PACE * (joints[j].speed - sign * rate)
+            room = joints[j].high - x.qpos[at] if side == 0 else x.qpos[at] - joints[j].low
+            if room < np.inf:
+                may = min(may, may_fall(room - SPARE_ANGLE, -sign * rate, braking))
+            if may < 2.0 * braking:
+                left = may - sign * acceleration[j] - max(0.0, -sign * help_[j])
+                near[count, 0], near[count, 1], near[count, 2] = left, j, -sign
+                count += 1
+    return count
+
+
+@compiled
+def spin(moving: FloatArray, j: int) -> Vector:
+    """Angular velocity of what joint j moves [rad/s]."""
+    if j < 0:
+        return 0.0, 0.0, 0.0
+    return moving[j, 0], moving[j, 1], moving[j, 2]
+
+
+@compiled
+def by_sliding(
+    normal: Vector,
+    passing: Vector,
+    distance: float,
+    u: Vector,
+    uu: float,
+    spin_u: Vector,
+    free_u: bool,
+    v: Vector,
+    vv: float,
+    spin_v: Vector,
+    free_v: bool,
+) -> float:
+    """What the closest points of two segments take off h'' by moving along them [m/s^2].
+
+    h is the least of f(s, t, time) over the points m + s u and n + t v, so that
+    h'' = f'' - g . F^-1 g with g and F the derivatives of f' and f by s and t. Points at the
+    end of their segment do not move along it. F of parallel segments is held off zero.
+    """
+    free_u, free_v = free_u and uu > 1e-9, free_v and vv > 1e-9
+    gu = dot(u, passing) / distance + dot(normal, cross(spin_u, u))
+    gv = -dot(v, passing) / distance - dot(normal, cross(spin_v, v))
+    if free_u and free_v:
+        uv = -dot(u, v)
+        gap = max(uu * vv - uv * uv, 0.05 * uu * vv)
+        return float(distance * (vv * gu * gu - 2.0 * uv * gu * gv + uu * gv * gv) / gap)
+    if free_u:
+        return float(distance * gu * gu / uu)
+    return float(distance * gv * gv / vv) if free_v else 0.0
+
+
+@compiled
+def look_at_capsules(
+    x: Row,
+    a: Record,
+    b: Record,
+    placed: FloatArray,
+    m: int,
+    n: int,
+    margin: float,
+    moving: FloatArray,
+    first: int,
+    count: int,
+    near: FloatArray,
+) -> int:
+    """One more row of `near` if two capsules are near; returns how many there are."""
+    half_a = placed[m, 3], placed[m, 4], placed[m, 5]
+    half_b = placed[n, 3], placed[n, 4], placed[n, 5]
+    middle_a = placed[m, 0], placed[m, 1], placed[m, 2]
+    middle_b = placed[n, 0], placed[n, 1], placed[n, 2]
+    between = subtract(middle_a, middle_b)
+    s, t = closest_on_segments(half_a, a.squared, half_b, b.squared, between)
+    on_a, on_b = add(middle_a, scale(s, half_a)), add(middle_b, scale(t, half_b))
+    apart = subtract(on_a, on_b)
+    distance = np.sqrt(dot(apart, apart))
+    if distance < 1e-6:
+        return count
+    normal = scale(1.0 / distance, apart)
+    passing = subtract(velocity_at(x, moving, a.link, on_a), velocity_at(x, moving, b.link, on_b))
+    rate = dot(normal, passing)
+    may = may_fall(distance - a.radius - b.radius - margin, rate, BRAKING)
+    if may > FAR:
+        return count
+    left = may + dot(
+        normal,
+        subtract(
+            acceleration_at(x, moving, a.link, on_a), acceleration_at(x, moving, b.link, on_b)
+        ),
+    )
+    left -= max(
+        0.0,
+        dot(
+            normal,
+            subtract(help_at(x, moving, a.link, on_a), help_at(x, moving, b.link, on_b)),
+        ),
+    )
+    left += (dot(passing, passing) - rate * rate) / distance
+    left -= by_sliding(
+        normal, passing, distance,
+        half_a, a.squared, spin(moving, x.links[a.link].last_dof), abs(s) < 0.999,
+        half_b, b.squared, spin(moving, x.links[b.link].last_dof), abs(t) < 0.999,
+    )  # fmt: skip
+    k = note(may, first, count, near)
+    if k >= 0:
+        near[k, 0], near[k, 1], near[k, 13] = left, -1.0, may
+        near[k, 2], near[k, 3] = a.link, b.link
+        store_row(near, k, 4, on_a)
+        store_row(near, k, 7, on_b)
+        store_row(near, k, 10, normal)
+        count = max(count, k + 1)
+    return count
+
+
+@compiled
+def look_at_pairs(
+    x: Row,
+    guarded: Records,
+    pairs: Records,
+    capsules: Records,
+    touches: Records,
+    moving: FloatArray,
+    balls: FloatArray,
+    placed: FloatArray,
+    count: int,
+    near: FloatArray,
+) -> int:
+    """Rows of `near` for the links that must not touch; returns how many there are then."""
+    for g in range(guarded.shape[0]):
+        link = guarded[g].link
+        centre = to_world(x, link, vector(guarded[g].centre))
+        store_row(balls, g, 0, centre)
+        store_row(balls, g, 3, velocity_at(x, moving, link, centre))
+        turning = spin(moving, x.links[link].last_dof)
+        balls[g, 6] = guarded[g].reach * np.sqrt(dot(turning, turning))
+        for m in range(guarded[g].first, guarded[g].first + guarded[g].count):
+            placed[m, 6] = 0.0
+    for p in range(pairs.shape[0]):
+        ga, gb = pairs[p].a, pairs[p].b
+        a, b = guarded[ga], guarded[gb]
+        ball_a = balls[ga, 0], balls[ga, 1], balls[ga, 2]
+        ball_b = balls[gb, 0], balls[gb, 1], balls[gb, 2]
+        passing = subtract(
+            (balls[ga, 3], balls[ga, 4], balls[ga, 5]), (balls[gb, 3], balls[gb, 4], balls[gb, 5])
+        )
+        view = (
+            MARGIN + SPARE + look_from(np.sqrt(dot(passing, passing)) + balls[ga, 6] + balls[gb, 6])
+        )
+        if not closer(ball_a, ball_b, a.reach + b.reach + view):
+            continue
+        kept = min(let_through(touches, a.link, b.link), let_through(touches, b.link, a.link))
+        if kept <= 0.0:
+            continue
+        margin = MARGIN + SPARE - (1.0 - kept) * (MARGIN + SPARE + YIELD)
+        first = count
+        ball_a = to_link(x, b.link, ball_a)
+        for n in range(b.first, b.first + b.count):
+            if not closer(ball_a, vector(capsules[n].middle), a.reach + capsules[n].reach + view):
+                continue
+            place(x, capsules, n, placed)
+            for m in range(a.first, a.first + a.count):
+                place(x, capsules, m, placed)
+                count = look_at_capsules(
+                    x, capsules[m], capsules[n], placed, m, n, margin, moving, first, count, near
+                )
+    return count

@@ -1,0 +1,161 @@
+"""The safety filter: the torque nearest to the one asked for that runs into no limit.
+
+    min d . M^-1 d / 2 + |s|^2 / (2 rho)    so that    A d + s >= b,  |tau + d| <= limit,
+
+d being the change of the torque, one row of A for each limit that is near (see `barriers`). That
+norm makes d what a contact force would be. Torque limits hold always. Where the rest cannot all hold at once, what is missing,
+s, is spread so that the sum of its squares is smallest; should the solver fail, all joints brake.
+"""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import daqp
+import numpy as np
+from numpy.typing import NDArray
+
+from arbiter.barriers import JOINT, MOST_ROWS, NEAR, PACE
+from arbiter.dynamics import lump_table
+from arbiter.filtering import Filter, Filtering
+from arbiter.screening import screen
+from primitives import AvoidCollisions
+from primitives.compiled import Records
+from primitives.mechanics import dof_table, link_table
+from primitives.table import FieldTable, TableBuilder
+from sim import Body, State, inertias
+
+FloatArray = NDArray[np.float64]
+SOFTNESS = 1e-6  # rho: what is missing costs so much more than torque that is changed
+RESERVE = 0.5  # share of a motor's torque that braking is planned with
+NO_LIMIT = 1000.0  # [N m] against which the torque of a motor without limit is measured
+SOLVED = (1, 2)  # DAQP: optimal; optimal, with something missing
+
+
+class SafetyFilter:
+    """Changes torques in place so that no limit is passed.
+
+    Args:
+        body: whose joints have limits, and whose links must not touch.
+        torque: the arbiter's torques (n, nv) [N m].
+        touches: its rows of TOUCH (n, k).
+        live: how many of its sub-tasks are on (n,).
+        contribution: what made the torques (n, channels, nv), the last channel being for the
+            change that the filter makes; or of length 0.
+        backgrounds: how many channels are always on.
+        shares: of simulations, one for each thread of the crew.
+        crew: the threads, if there are several.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        torque: FloatArray,
+        touches: Records,
+        live: NDArray[np.int32],
+        contribution: FloatArray,
+        backgrounds: int,
+        shares: int = 1,
+        crew: ThreadPoolExecutor | None = None,
+    ) -> None:
+        n, nv = torque.shape
+        most = MOST_ROWS + 2 * nv
+        self._torque, self._contribution, self._crew = torque, contribution, crew
+        self._step, self._shares = body.timestep, shares
+        joints, table = joint_table(body), guarded_links(body)
+        self._count = np.zeros(n, dtype=np.int32)
+        self._rows, self._needs = np.zeros((n, most, nv)), np.zeros((n, most))
+        self._applied, self._passive, self._before = (np.zeros((n, nv)) for _ in range(3))
+        self._limit = np.where(joints["limit"] > 0.0, joints["limit"], 1.0)
+        self._cap = body.torque_limit
+        self._braking = PACE * inertias(body).reflected
+        self._cost, self._linear = np.zeros((n, nv, nv)), np.zeros(nv)
+        self._upper, self._lower = np.full((2, nv + most), np.inf)
+        self._upper[:] = 1e30
+        self._sense = np.zeros(nv + most, dtype=np.int32)
+        self._sense[nv:] = 8  # soft
+        links, capsules = len(table.guarded), len(table.capsules)
+        parts = Filtering(
+            *(link_table(body), dof_table(body), lump_table(body), joints),
+            *(table.guarded, table.pairs, table.capsules, touches, live),
+            *(np.array([backgrounds]), contribution, torque),
+            *(self._applied, self._passive, np.zeros((n, nv)), self._before, np.full(n, -np.inf)),
+            *(self._rows, self._needs, self._cost, self._count),
+            np.linspace(0, n, shares + 1).astype(np.int64),
+            np.zeros((shares, nv, nv)),
+            np.zeros((shares, body.model.nbody, 10)),
+            np.zeros((shares, nv, 18)),
+            np.zeros((shares, nv)),
+            np.zeros((shares, nv)),
+            np.zeros((shares, links, 7)),
+            np.zeros((shares, capsules, 7)),
+            np.zeros((shares, most, NEAR)),
+        )
+        self._filter = Filter(parts)
+        self._bound: tuple[State, tuple[object, ...]] | None = None
+        self.changed = 0  # how many torques were changed so far
+
+    def apply(self, state: State) -> None:
+        """Change the torques that would run into something now."""
+        if self._bound is None or self._bound[0] is not state:
+            seen = (state.time, state.qpos, state.qvel, state.xpos, state.xmat, state.cdof)
+            also = (state.cvel, state.subtree_com, state.qfrc_bias, self._filter)
+            self._bound = state, (self._step, *seen, *also)
+        arrays = self._bound[1]
+        found = screen(0, *arrays) if self._crew is None else self._screen(self._crew, arrays)
+        if found:
+            for i in np.flatnonzero(self._count):
+                self._change(int(i))
+
+    def _screen(self, crew: ThreadPoolExecutor, arrays: tuple[object, ...]) -> int:
+        look: Callable[..., int] = screen
+        jobs = [crew.submit(look, k, *arrays) for k in range(1, self._shares)]
+        return look(0, *arrays) + sum(job.result() for job in jobs)
+
+    def _change(self, i: int) -> None:
+        """The small quadratic programme of one simulation."""
+        count, nv, torque = int(self._count[i]), len(self._linear), self._torque[i]
+        share = torque / self._limit
+        whole = nv + count
+        upper, lower = self._upper[:whole], self._lower[:whole]
+        np.subtract(1.0, share, out=upper[:nv])
+        np.subtract(-1.0, share, out=lower[:nv])
+        lower[nv:] = self._needs[i, :count]
+        change, _, flag, _ = daqp.solve(
+            self._cost[i], self._linear, self._rows[i, :count], upper, lower,
+            self._sense[:whole], rho_soft=SOFTNESS,
+        )  # fmt: skip
+        if flag in SOLVED:
+            safe = torque + change * self._limit
+        else:
+            safe = -self._passive[i] - self._braking * self._before[i]
+        np.clip(safe, -self._cap, self._cap, out=safe)
+        if len(self._contribution):
+            self._contribution[i, -1] += safe - torque
+        torque[:] = safe
+        self._applied[i] = safe
+        self.changed += 1
+
+
+def joint_table(body: Body) -> Records:
+    """Per degree of freedom: its limits, and what its motor can brake with."""
+    found, joints = inertias(body), np.zeros(body.nv, dtype=JOINT)
+    joints["armature"], joints["damping"] = found.armature, found.damping
+    joints["low"], joints["high"] = body.range
+    joints["speed"] = body.speed_limit
+    joints["limit"] = np.where(np.isfinite(body.torque_limit), body.torque_limit, NO_LIMIT)
+    joints["braking"] = RESERVE * joints["limit"] / found.reflected
+    return joints
+
+
+def guarded_links(body: Body) -> FieldTable:
+    """The links that must not touch: a table that holds avoid-collisions and nothing else.
+
+    Raises:
+        BodyError: one of them is drawn with something else than spheres and capsules.
+        PrimitiveError: one of them has no geom that collides.
+    """
+    builder: Any = TableBuilder(body.nv)
+    if body.map.keep_apart:
+        AvoidCollisions().bind(body, np.inf).add_to(builder)
+    return builder.build()  # type: ignore[no-any-return]
