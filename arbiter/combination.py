@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from arbiter.errors import ArbiterError
 from primitives import Field
 from primitives.profiles import step
-from sim import Body, State
+from sim import Body, State, joint_inertia
 from specs import BoundTask, Group
 
 FloatArray = NDArray[np.float64]
@@ -98,7 +98,9 @@ class Combination:
         if self.needs_inertia:
             if state.M is None:
                 raise ArbiterError("strict priorities need the inertia: World(…, inertia=True)")
-            inertia = np.asarray(np.linalg.inv(self._body.inertia(state.M)), dtype=np.float64)
+            inertia = np.asarray(
+                np.linalg.inv(joint_inertia(self._body, state.M)), dtype=np.float64
+            )
         passed = np.where(np.isfinite(self._time), state.time - self._time, np.inf)
         self._time[:] = state.time
         known: dict[str, _Member] = {}

@@ -3,8 +3,9 @@
     min d . M^-1 d / 2 + |s|^2 / (2 rho)    so that    A d + s >= b,  |tau + d| <= limit,
 
 d being the change of the torque, one row of A for each limit that is near (see `barriers`). That
-norm makes d what a contact force would be. Torque limits hold always. Where the rest cannot all hold at once, what is missing,
-s, is spread so that the sum of its squares is smallest; should the solver fail, all joints brake.
+norm makes d what a contact force would be. Torque limits hold always. Where the rest cannot all
+hold at once, what is missing, s, is spread so that the sum of its squares is smallest; should the
+solver fail, all joints brake.
 """
 
 from collections.abc import Callable

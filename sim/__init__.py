@@ -5,7 +5,7 @@ from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
 from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
-from sim.inertia import Inertias, inertias, mass_matrix
+from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
 from sim.motions import Motion, inverse_dynamics, site_paths, straight_motion
 from sim.planar_arm import planar_arm
 from sim.posing import ArmWords, pose
@@ -55,6 +55,7 @@ __all__ = [
     "find_gaze",
     "inertias",
     "inverse_dynamics",
+    "joint_inertia",
     "load_body",
     "mass_matrix",
     "moving_dofs",

@@ -336,20 +336,6 @@ class Body:
         mujoco.mj_kinematics(self.model, data)
         return data
 
-    def inertia(self, packed: FloatArray) -> FloatArray:
-        """Joint-space inertia (n, nv, nv) [kg m^2] of `State.M` (n, nM)."""
-        rows, columns = self._inertia_pattern
-        whole = np.zeros((len(packed), self.nv, self.nv))
-        whole[:, rows, columns] = packed
-        whole[:, columns, rows] = packed
-        return whole
-
-    @cached_property
-    def _inertia_pattern(self) -> tuple[IntArray, IntArray]:
-        """Row and column of each packed element: the lower triangle, row by row."""
-        rows = np.repeat(np.arange(self.nv), self.model.M_rownnz)
-        return rows.astype(np.int32), np.array(self.model.M_colind, dtype=np.int32)
-
     @cached_property
     def ancestors(self) -> NDArray[np.bool_]:
         """Whether a degree of freedom moves a link, (nbody, nv)."""

@@ -1,6 +1,7 @@
 """What a link weighs and how that weight is spread: the constants of the equations of motion."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -50,3 +51,19 @@ def mass_matrix(body: Body, qpos: FloatArray) -> FloatArray:
     mass: FloatArray = np.empty((body.nv, body.nv))
     mujoco.mj_fullM(body.model, data, mass)
     return mass
+
+
+def joint_inertia(body: Body, packed: FloatArray) -> FloatArray:
+    """Joint-space inertia (n, nv, nv) [kg m^2] of `State.M` (n, nM)."""
+    rows, columns = _pattern(body)
+    whole = np.zeros((len(packed), body.nv, body.nv))
+    whole[:, rows, columns] = packed
+    whole[:, columns, rows] = packed
+    return whole
+
+
+@lru_cache(maxsize=16)
+def _pattern(body: Body) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Row and column of each packed element: the lower triangle, row by row."""
+    rows = np.repeat(np.arange(body.nv), body.model.M_rownnz)
+    return rows, body.model.M_colind.astype(np.int64)

@@ -27,7 +27,7 @@ class State:
     cvel: FloatArray  # (n, nbody, 6) velocities of the links, likewise
     subtree_com: FloatArray  # (n, nbody, 3) centre of mass of each link and all it carries
     qfrc_bias: FloatArray  # (n, nv) gravity and Coriolis torques [N m]
-    M: FloatArray | None = None  # (n, nM) joint-space inertia, packed; see `Body.inertia`
+    M: FloatArray | None = None  # (n, nM) joint-space inertia, packed; see `joint_inertia`
 
     @property
     def n(self) -> int:

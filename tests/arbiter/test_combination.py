@@ -6,7 +6,7 @@ import pytest
 from adonis.dancing import random_start, run_task
 from arbiter import Arbiter, ArbiterError
 from primitives import CompensateGravity, GetPosture, GoToPoint
-from sim import Body, State, World
+from sim import Body, State, World, joint_inertia
 from specs import Background, Group, SpecError, SubTask, TaskSpec, bind_task, task_from_text
 
 
@@ -40,7 +40,7 @@ def asked(body: Body, groups: tuple[Group, ...], **fields) -> tuple[Arbiter, Wor
 
 def accelerations(body: Body, state: State, torque: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
     """What torques (n, nv) do to the speed of a task (n, m)."""
-    inertia = body.inertia(state.M)
+    inertia = joint_inertia(body, state.M)
     return np.einsum("nmj,nj->nm", jacobian, np.linalg.solve(inertia, torque[..., None])[..., 0])
 
 
@@ -308,7 +308,7 @@ def test_energy_never_grows_with_passive_fields_alone(body: Body) -> None:
     for step_ in range(5000):
         if step_ % 50 == 0 and step_ >= 300:  # by then the set points have arrived
             v, e = world.state.qvel, world.state.qpos[:, body.qpos_of_dof] - goal
-            kinetic = 0.5 * np.einsum("ni,nij,nj->n", v, body.inertia(world.state.M), v)
+            kinetic = 0.5 * np.einsum("ni,nij,nj->n", v, joint_inertia(body, world.state.M), v)
             springs = 0.5 * 15.0 * np.sum(e[:, free] ** 2, axis=1)
             wells_ = 8.0 * 0.7**2 * np.sum(1 - np.exp(-(e[:, arms] ** 2) / (2 * 0.7**2)), axis=1)
             energies.append(kinetic + springs + wells_)

@@ -15,7 +15,7 @@ from sim import Body, World
 from sim import mass_matrix as mujoco_mass_matrix
 from specs import Background, SpecError, SubTask, TaskSpec, bind_task, task_from_text, task_to_yaml
 
-SEEDS = (4, 7, 8, 11, 19, 20)  # those among the first that came nearest to their limits
+SEEDS = (4, 7, 8, 11, 19, 20, 428)  # those among the first that came nearest to their limits
 FAR = """
 task: t
 safety: none
@@ -29,7 +29,8 @@ background:
 subtasks:
   - {name: out, primitive: get-posture, limb: right_arm, seconds: 2, posture: {right_arm: 20}}
 """
-CHATTER = 60  # sign changes of a torque per second
+CHATTER = 60  # sign changes of a torque per second, in an attack
+HELD = 5  # those of all joints while two hands are pressed at a boundary for 1.4 s
 
 
 @compiled_entry
@@ -109,7 +110,8 @@ def test_torques_do_not_chatter_at_the_boundary(body: Body, outcomes) -> None:
         flips[safety] = sum(sign_changes(held[:, j], least[j]) for j in range(body.nv))
         steps[safety] = (np.abs(np.diff(held, axis=0)) / body.torque_limit).max()
     print(f"held at the boundary, sign changes {flips}, largest steps of torque {steps}")
-    assert flips["filter"] <= 2
+    assert flips["filter"] <= HELD, "of all joints together"
+    assert flips["filter"] < flips["none"]
     assert steps["filter"] < 0.02, "and is steady"
     for filtered, repelled in outcomes:
         print(f"{filtered.flips:.0f} sign changes a second; by repulsion {repelled.flips:.0f}")
