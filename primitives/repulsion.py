@@ -88,11 +88,12 @@ def closest_on_segments(
 
 
 @compiled
-def let_through(touches: Records, hand: int, link: int) -> float:
-    """Share of the repulsion that is kept between a hand and a link that it is to touch."""
+def let_through(touches: Records, one: int, other: int) -> float:
+    """Share of the repulsion that is kept between two links, if a hand is to touch the other."""
     kept = 1.0
     for m in range(touches.shape[0]):
-        if touches[m].hand == hand and touches[m].link == link:
+        hand, link = touches[m].hand, touches[m].link
+        if (hand == one and link == other) or (hand == other and link == one):
             kept -= touches[m].share
     return kept
 

@@ -119,3 +119,13 @@ def test_its_pairs_are_those_of_the_body_unless_told(body: Body) -> None:
     world.reset(q)
     other = AvoidCollisions(pairs=[("left_hand", "head")], range=0.05).bind(body, np.inf)
     assert np.abs(other.torque(world.state, np.zeros(1))).max() == 0.0
+
+
+def test_a_touch_is_let_through_whichever_link_is_named_first() -> None:
+    from primitives.repulsion import let_through
+    from primitives.table import TOUCH
+
+    touches = np.zeros(1, dtype=TOUCH)
+    touches["hand"], touches["link"], touches["share"] = 3, 7, 0.4
+    assert let_through(touches, 3, 7) == let_through(touches, 7, 3) == pytest.approx(0.6)
+    assert let_through(touches, 3, 6) == 1.0
