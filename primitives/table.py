@@ -145,8 +145,12 @@ class TableBuilder:
         """The table of everything that was added."""
 
         def joined(kind: np.dtype[np.void]) -> Records:
-            rows = self._records[kind]
-            return np.concatenate(rows) if rows else np.zeros(0, dtype=kind)
+            # np.concatenate would promote the type anew for every row.
+            rows, at = np.zeros(self._counts[kind], dtype=kind), 0
+            for part in self._records[kind]:
+                rows[at : at + len(part)] = part
+                at += len(part)
+            return rows
 
         claims = np.array(self._claims, dtype=np.bool_).reshape(-1, self.nv)
         return FieldTable(
