@@ -20,7 +20,7 @@ ARM = ("shoulder_y", "shoulder_x", "shoulder_z", "elbow", "wrist_z", "wrist_x", 
 # damping ratio of all: how briskly a person holds a posture. The gains follow from the body.
 FREQUENCY = {"waist": 3.0, "neck": 3.5, "shoulder": 3.0, "elbow": 4.0, "wrist": 6.0}
 DAMPING_RATIO = 0.8
-# Largest speed of each joint [deg/s], which the safety filter keeps; a quick person's.
+# Largest speed of each joint [deg/s], which the safety filter keeps. Chosen here, from no source.
 SPEED = {"waist": 250.0, "neck": 500.0, "shoulder": 800.0, "elbow": 900.0, "wrist": 1200.0}
 
 SPRING = Spring(

@@ -273,8 +273,9 @@ def _linear_for_small_errors(c: Comparison, _: Extras) -> Claim:
         "A torque field is like a servo for small errors and lets go at large ones (figure 2).",
         f"Torque as a share of the servo's: {small:.3f} at a tenth of the width ({0.1 * s:.2f}"
         f" rad), {large:.3f} at three widths ({3 * s:.1f} rad).",
-        REPRODUCED,
-        "It follows from eq 3; a test checks the code against it.",
+        REPRODUCED if small > 0.95 and large < 0.1 else NOT,
+        "Condition: more than 0.95 and less than 0.1. It follows from eq 3, with which a test"
+        " compares the code.",
     )
 
 
@@ -307,7 +308,8 @@ def _user_effort(c: Comparison, _: Extras) -> Claim:
         " (through a spline), impedance 7.",
         f"Numbers in our task files for all twelve sub-tasks: {_list(numbers, 'd')}; a posture"
         " or landmark that is named costs none.",
-        NOT,
+        REPRODUCED if numbers[FIELD] > 1.8 * max(numbers[PD], numbers[IMPEDANCE]) else NOT,
+        "Condition: the torque field needs nearly twice as many as either other. "
         "Naming places replaces most numbers: what is left are via points and elbow directions,"
         " about as many for every controller.",
     )
