@@ -33,7 +33,14 @@ from primitives.mechanics import (
     to_world,
     vector,
 )
-from primitives.repulsion import closer, closest_on_segments, let_through, place, store_row
+from primitives.repulsion import (
+    closer,
+    closest_on_segments,
+    let_through,
+    place,
+    store_row,
+    within_one,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -45,8 +52,10 @@ PACE = 20.0  # w: how fast the way that is left to a limit may shrink [1/s]
 BRAKING = 60.0  # A of two links [m/s^2]; that of a joint follows from its motor
 SPEED_PACE = 50.0  # how fast the speed that is left to a joint may shrink [1/s]
 FAR = 40.0  # two links that may draw nearer with so much more are not looked at [m/s^2]
-MOST_ROWS = 240  # pairs of geoms that one simulation can be near to
-MOST_OF_TWO = 12  # pairs of geoms of any two links
+MOST_ROWS = 300  # pairs of geoms that one simulation can be near to
+MOST_OF_TWO = 20  # pairs of geoms of any two links
+AHEAD = 0.004  # a point that leaves its segment's end so soon counts as on its way [s]
+PARALLEL = 0.25  # sin^2 of the angle of two segments below which their ends are watched too
 SMOOTHING = 0.8  # share of the newest in what acts besides
 
 JOINT = np.dtype(
@@ -57,7 +66,7 @@ JOINT = np.dtype(
     ],
     align=True,
 )
-NEAR = 14  # of a limit: what is left, joint, links, points on them, direction, what it may
+NEAR = 15  # of a limit: what is left, joint, links, points on them, direction, what it may, row
 
 
 @compiled
@@ -131,28 +140,47 @@ def spin(moving: FloatArray, j: int) -> Vector:
 
 
 @compiled
+def slides(at: float, rate: float) -> bool:
+    """Whether a closest point moves along its segment now or soon, rather than stay at its end.
+
+    Args:
+        at: where on its line it is, the segment being from -1 to 1.
+        rate: how fast it moves there [1/s].
+    """
+    return abs(at) < 1.0 or abs(at + AHEAD * rate) < 1.0 or at * (at + AHEAD * rate) < 0.0
+
+
+@compiled
 def by_sliding(
+    apart: Vector,
     normal: Vector,
     passing: Vector,
     distance: float,
     u: Vector,
     uu: float,
+    s: float,
+    slide_u: bool,
     spin_u: Vector,
-    free_u: bool,
     v: Vector,
     vv: float,
+    t: float,
+    slide_v: bool,
     spin_v: Vector,
-    free_v: bool,
 ) -> float:
     """What the closest points of two segments take off h'' by moving along them [m/s^2].
 
     h is the least of f(s, t, time) over the points m + s u and n + t v, so that
-    h'' = f'' - g . F^-1 g with g and F the derivatives of f' and f by s and t. Points at the
-    end of their segment do not move along it. F of parallel segments is held off zero.
+    h'' = f'' - g . F^-1 g with g and F the derivatives of f' and f by s and t. Points that
+    stay at the end of their segment do not count; one that is about to leave it does, or h
+    would close faster than foreseen whenever it leaves. F of parallel segments is held off zero.
     """
-    free_u, free_v = free_u and uu > 1e-9, free_v and vv > 1e-9
-    gu = dot(u, passing) / distance + dot(normal, cross(spin_u, u))
-    gv = -dot(v, passing) / distance - dot(normal, cross(spin_v, v))
+    free_u, free_v, gu, gv = False, False, 0.0, 0.0
+    if slide_u and uu > 1e-9:
+        gu = dot(u, passing) / distance + dot(normal, cross(spin_u, u))
+        free_u = slides(s - dot(u, apart) / uu, -gu * distance / uu)
+    if slide_v and vv > 1e-9:
+        gv = -dot(v, passing) / distance - dot(normal, cross(spin_v, v))
+        free_v = slides(t + dot(v, apart) / vv, -gv * distance / vv)
     if free_u and free_v:
         uv = -dot(u, v)
         gap = max(uu * vv - uv * uv, 0.05 * uu * vv)
@@ -163,27 +191,29 @@ def by_sliding(
 
 
 @compiled
-def look_at_capsules(
+def look_at_points(
     x: Row,
     a: Record,
     b: Record,
-    placed: FloatArray,
-    m: int,
-    n: int,
+    u: Vector,
+    v: Vector,
+    middle_a: Vector,
+    middle_b: Vector,
+    s: float,
+    t: float,
+    slide_u: bool,
+    slide_v: bool,
     margin: float,
     moving: FloatArray,
     first: int,
     count: int,
     near: FloatArray,
 ) -> int:
-    """One more row of `near` if two capsules are near; returns how many there are."""
-    half_a = placed[m, 3], placed[m, 4], placed[m, 5]
-    half_b = placed[n, 3], placed[n, 4], placed[n, 5]
-    middle_a = placed[m, 0], placed[m, 1], placed[m, 2]
-    middle_b = placed[n, 0], placed[n, 1], placed[n, 2]
-    between = subtract(middle_a, middle_b)
-    s, t = closest_on_segments(half_a, a.squared, half_b, b.squared, between)
-    on_a, on_b = add(middle_a, scale(s, half_a)), add(middle_b, scale(t, half_b))
+    """One more row of `near` if two points of capsules are near; returns how many there are.
+
+    The points are s and t on their segments; those that slide are the closest to the other.
+    """
+    on_a, on_b = add(middle_a, scale(s, u)), add(middle_b, scale(t, v))
     apart = subtract(on_a, on_b)
     distance = np.sqrt(dot(apart, apart))
     if distance < 1e-6:
@@ -209,9 +239,9 @@ def look_at_capsules(
     )
     left += (dot(passing, passing) - rate * rate) / distance
     left -= by_sliding(
-        normal, passing, distance,
-        half_a, a.squared, spin(moving, x.links[a.link].last_dof), abs(s) < 0.999,
-        half_b, b.squared, spin(moving, x.links[b.link].last_dof), abs(t) < 0.999,
+        apart, normal, passing, distance,
+        u, a.squared, s, slide_u, spin(moving, x.links[a.link].last_dof),
+        v, b.squared, t, slide_v, spin(moving, x.links[b.link].last_dof),
     )  # fmt: skip
     k = note(may, first, count, near)
     if k >= 0:
@@ -221,6 +251,64 @@ def look_at_capsules(
         store_row(near, k, 7, on_b)
         store_row(near, k, 10, normal)
         count = max(count, k + 1)
+    return count
+
+
+@compiled
+def look_at_capsules(
+    x: Row,
+    a: Record,
+    b: Record,
+    placed: FloatArray,
+    m: int,
+    n: int,
+    margin: float,
+    view: float,
+    moving: FloatArray,
+    first: int,
+    count: int,
+    near: FloatArray,
+) -> int:
+    """More rows of `near` if two capsules are near; returns how many there are.
+
+    One is for their closest points. Where segments are nearly parallel those jump from end to
+    end, so that the ends are watched as well.
+
+    Args:
+        x: the simulation.
+        a: a capsule of one link.
+        b: a capsule of another.
+        placed: where all are.
+        m: which a is.
+        n: which b is.
+        margin: distance that they are to keep [m].
+        view: what is farther from that is not looked at [m].
+        moving: how every joint's far side moves.
+        first: row of the first pair of the same two links.
+        count: how many rows there are.
+        near: the rows.
+    """
+    u, v = (placed[m, 3], placed[m, 4], placed[m, 5]), (placed[n, 3], placed[n, 4], placed[n, 5])
+    uu, vv = a.squared, b.squared
+    middle_a = placed[m, 0], placed[m, 1], placed[m, 2]
+    middle_b = placed[n, 0], placed[n, 1], placed[n, 2]
+    between = subtract(middle_a, middle_b)
+    s, t = closest_on_segments(u, uu, v, vv, between)
+    apart = add(between, subtract(scale(s, u), scale(t, v)))
+    far = a.radius + b.radius + margin + view
+    if dot(apart, apart) > far * far:
+        return count
+    uv = dot(u, v)
+    for k in range(5 if uu * vv - uv * uv < PARALLEL * uu * vv else 1):
+        end = 1.0 if k % 2 else -1.0
+        if 0 < k < 3:
+            s, t = end, within_one((dot(v, between) + end * uv) / vv)
+        elif k > 2:
+            s, t = within_one((end * uv - dot(u, between)) / uu), end
+        count = look_at_points(
+            x, a, b, u, v, middle_a, middle_b, s, t, k == 0 or k > 2, k < 3, margin, moving,
+            first, count, near,
+        )  # fmt: skip
     return count
 
 
@@ -255,10 +343,8 @@ def look_at_pairs(
         passing = subtract(
             (balls[ga, 3], balls[ga, 4], balls[ga, 5]), (balls[gb, 3], balls[gb, 4], balls[gb, 5])
         )
-        view = (
-            MARGIN + SPARE + look_from(np.sqrt(dot(passing, passing)) + balls[ga, 6] + balls[gb, 6])
-        )
-        if not closer(ball_a, ball_b, a.reach + b.reach + view):
+        view = look_from(np.sqrt(dot(passing, passing)) + balls[ga, 6] + balls[gb, 6])
+        if not closer(ball_a, ball_b, a.reach + b.reach + MARGIN + SPARE + view):
             continue
         kept = min(let_through(touches, a.link, b.link), let_through(touches, b.link, a.link))
         if kept <= 0.0:
@@ -267,12 +353,25 @@ def look_at_pairs(
         first = count
         ball_a = to_link(x, b.link, ball_a)
         for n in range(b.first, b.first + b.count):
-            if not closer(ball_a, vector(capsules[n].middle), a.reach + capsules[n].reach + view):
+            if not closer(
+                ball_a, vector(capsules[n].middle), a.reach + capsules[n].reach + margin + view
+            ):
                 continue
             place(x, capsules, n, placed)
             for m in range(a.first, a.first + a.count):
                 place(x, capsules, m, placed)
                 count = look_at_capsules(
-                    x, capsules[m], capsules[n], placed, m, n, margin, moving, first, count, near
+                    x,
+                    capsules[m],
+                    capsules[n],
+                    placed,
+                    m,
+                    n,
+                    margin,
+                    view,
+                    moving,
+                    first,
+                    count,
+                    near,
                 )
     return count

@@ -183,6 +183,16 @@ def move(x: Row, acceleration: FloatArray, part: FloatArray, moving: FloatArray)
 
 
 @compiled
+def push_on(x: Row, part: FloatArray, moving: FloatArray) -> None:
+    """Columns 12 to 17 for another part (nv,) of the joints' acceleration."""
+    for j in range(x.qvel.shape[0]):
+        i = x.dofs[j].parent
+        for k in range(6):
+            carried = moving[i, 12 + k] if i >= 0 else 0.0
+            moving[j, 12 + k] = carried + x.cdof[j, k] * part[j]
+
+
+@compiled
 def velocity_at(x: Row, moving: FloatArray, link: int, point: Vector) -> Vector:
     """Velocity of the point of a link that is at `point` in the world [m/s]."""
     j = x.links[link].last_dof
@@ -223,6 +233,7 @@ __all__ = [
     "lump_table",
     "mass_matrix",
     "move",
+    "push_on",
     "solve",
     "times_mass",
     "velocity_at",

@@ -31,11 +31,15 @@ class Filtering(NamedTuple):
     besides: Records  # (n, nv) what acted besides [N m]
     before: Records  # (n, nv) speeds at the last step [rad/s]
     clock: Records  # (n,) time of the last step [s]
-    # What it asks of the torque: rows . change >= needs, u being shares of the torque limits.
+    # The limits that are near, and what they ask of the torque: rows . u >= lower, u being the
+    # change as a share of the torque limits. Only those that it runs into have a row.
+    near: Records  # (n, most, NEAR)
+    found: Records  # (n,) how many are near
     rows: Records  # (n, most, nv)
-    needs: Records  # (n, most)
-    cost: Records  # (n, nv, nv) of a change
-    count: Records  # (n,) how many; 0 where the torque may stay as it is
+    upper: Records  # (n, nv + most) first of u itself
+    lower: Records  # (n, nv + most)
+    cost: Records  # (n, nv, nv) of u
+    count: Records  # (n,) how many rows; 0 where the torque may stay as it is
     # How the simulations are shared out over threads, and room for each share to work in.
     shares: Records  # (shares + 1,)
     mass: Records  # (shares, nv, nv)
@@ -45,7 +49,6 @@ class Filtering(NamedTuple):
     help: Records  # (shares, nv)
     balls: Records  # (shares, guarded, 7)
     placed: Records  # (shares, capsules, 7)
-    near: Records  # (shares, most, NEAR)
 
 
 @structref.register

@@ -3,9 +3,10 @@
     min d . M^-1 d / 2 + |s|^2 / (2 rho)    so that    A d + s >= b,  |tau + d| <= limit,
 
 d being the change of the torque, one row of A for each limit that is near (see `barriers`). That
-norm makes d what a contact force would be. Torque limits hold always. Where the rest cannot all
-hold at once, what is missing, s, is spread so that the sum of its squares is smallest; should the
-solver fail, all joints brake.
+norm makes d what a contact force would be. Only the limits that tau runs into are in the first
+programme; those that its answer would run into are added, until there are none. Torque limits
+hold always. Where the rest cannot all hold at once, what is missing, s, is spread so that the sum
+of its squares is smallest; should the solver fail, all joints brake.
 """
 
 from collections.abc import Callable
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from arbiter.barriers import JOINT, MOST_ROWS, NEAR, PACE
 from arbiter.dynamics import lump_table
 from arbiter.filtering import Filter, Filtering
-from arbiter.screening import screen
+from arbiter.screening import screen, settle
 from primitives import AvoidCollisions
 from primitives.compiled import Records
 from primitives.mechanics import dof_table, link_table
@@ -65,14 +66,11 @@ class SafetyFilter:
         self._step, self._shares = body.timestep, shares
         joints, table = joint_table(body), guarded_links(body)
         self._count = np.zeros(n, dtype=np.int32)
-        self._rows, self._needs = np.zeros((n, most, nv)), np.zeros((n, most))
-        self._applied, self._passive, self._before = (np.zeros((n, nv)) for _ in range(3))
+        self._rows, self._cost = np.zeros((n, most, nv)), np.zeros((n, nv, nv))
+        self._upper, self._lower = np.full((2, n, nv + most), 1e30)
+        self._passive, self._before = np.zeros((2, n, nv))
         self._limit = np.where(joints["limit"] > 0.0, joints["limit"], 1.0)
-        self._cap = body.torque_limit
-        self._braking = PACE * inertias(body).reflected
-        self._cost, self._linear = np.zeros((n, nv, nv)), np.zeros(nv)
-        self._upper, self._lower = np.full((2, nv + most), np.inf)
-        self._upper[:] = 1e30
+        self._braking, self._linear = PACE * inertias(body).reflected, np.zeros(nv)
         self._sense = np.zeros(nv + most, dtype=np.int32)
         self._sense[nv:] = 8  # soft
         links, capsules = len(table.guarded), len(table.capsules)
@@ -80,8 +78,9 @@ class SafetyFilter:
             *(link_table(body), dof_table(body), lump_table(body), joints),
             *(table.guarded, table.pairs, table.capsules, touches, live),
             *(np.array([backgrounds]), contribution, torque),
-            *(self._applied, self._passive, np.zeros((n, nv)), self._before, np.full(n, -np.inf)),
-            *(self._rows, self._needs, self._cost, self._count),
+            *(np.zeros((n, nv)), self._passive, np.zeros((n, nv)), self._before),
+            *(np.full(n, -np.inf), np.zeros((n, most, NEAR)), np.zeros(n, dtype=np.int32)),
+            *(self._rows, self._upper, self._lower, self._cost, self._count),
             np.linspace(0, n, shares + 1).astype(np.int64),
             np.zeros((shares, nv, nv)),
             np.zeros((shares, body.model.nbody, 10)),
@@ -90,52 +89,47 @@ class SafetyFilter:
             np.zeros((shares, nv)),
             np.zeros((shares, links, 7)),
             np.zeros((shares, capsules, 7)),
-            np.zeros((shares, most, NEAR)),
         )
         self._filter = Filter(parts)
-        self._bound: tuple[State, tuple[object, ...]] | None = None
+        self._bound: tuple[State, tuple[object, ...], tuple[object, ...]] | None = None
         self.changed = 0  # how many torques were changed so far
 
     def apply(self, state: State) -> None:
         """Change the torques that would run into something now."""
         if self._bound is None or self._bound[0] is not state:
-            seen = (state.time, state.qpos, state.qvel, state.xpos, state.xmat, state.cdof)
-            also = (state.cvel, state.subtree_com, state.qfrc_bias, self._filter)
-            self._bound = state, (self._step, *seen, *also)
-        arrays = self._bound[1]
+            seen = (state.qpos, state.qvel, state.xpos, state.xmat, state.cdof, state.cvel)
+            last = (state.subtree_com, state.qfrc_bias, self._filter)
+            self._bound = (
+                state,
+                (self._step, state.time, *seen, *last),
+                (*seen, state.subtree_com, self._filter),
+            )
+        _, arrays, also = self._bound
         found = screen(0, *arrays) if self._crew is None else self._screen(self._crew, arrays)
         if found:
             for i in np.flatnonzero(self._count):
-                self._change(int(i))
+                self._change(int(i), also)
+            self.changed += found
 
     def _screen(self, crew: ThreadPoolExecutor, arrays: tuple[object, ...]) -> int:
         look: Callable[..., int] = screen
         jobs = [crew.submit(look, k, *arrays) for k in range(1, self._shares)]
         return look(0, *arrays) + sum(job.result() for job in jobs)
 
-    def _change(self, i: int) -> None:
-        """The small quadratic programme of one simulation."""
-        count, nv, torque = int(self._count[i]), len(self._linear), self._torque[i]
-        share = torque / self._limit
-        whole = nv + count
-        upper, lower = self._upper[:whole], self._lower[:whole]
-        np.subtract(1.0, share, out=upper[:nv])
-        np.subtract(-1.0, share, out=lower[:nv])
-        lower[nv:] = self._needs[i, :count]
-        change, _, flag, _ = daqp.solve(
-            self._cost[i], self._linear, self._rows[i, :count], upper, lower,
-            self._sense[:whole], rho_soft=SOFTNESS,
-        )  # fmt: skip
-        if flag in SOLVED:
-            safe = torque + change * self._limit
-        else:
-            safe = -self._passive[i] - self._braking * self._before[i]
-        np.clip(safe, -self._cap, self._cap, out=safe)
-        if len(self._contribution):
-            self._contribution[i, -1] += safe - torque
-        torque[:] = safe
-        self._applied[i] = safe
-        self.changed += 1
+    def _change(self, i: int, arrays: tuple[object, ...]) -> None:
+        """The small quadratic programme of one simulation; rows are added as they are needed."""
+        count, nv = int(self._count[i]), len(self._linear)
+        while count:
+            whole = nv + count
+            change, _, flag, _ = daqp.solve(
+                self._cost[i], self._linear, self._rows[i, :count], self._upper[i, :whole],
+                self._lower[i, :whole], self._sense[:whole], rho_soft=SOFTNESS,
+            )  # fmt: skip
+            solved = flag in SOLVED
+            if not solved:
+                brake = -self._passive[i] - self._braking * self._before[i]
+                change = (brake - self._torque[i]) / self._limit
+            count = settle(i, change, solved, *arrays)
 
 
 def joint_table(body: Body) -> Records:

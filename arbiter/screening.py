@@ -5,16 +5,22 @@ See `barriers` for what is asked of each limit, and `safety` for what becomes of
 
 from typing import Any
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from arbiter.barriers import SMOOTHING, look_at_joints, look_at_pairs
-from arbiter.dynamics import factor, mass_matrix, move, solve, times_mass
+from arbiter.dynamics import factor, help_at, mass_matrix, move, push_on, solve, times_mass
 from arbiter.filtering import Filtering
 from primitives.compiled import Records, compiled, compiled_entry, fingerprint
-from primitives.mechanics import Row, Vector, cross, scale, subtract, tree_centre
+from primitives.mechanics import Row, Vector, cross, dot, scale, subtract, tree_centre
 
 FloatArray = NDArray[np.float64]
+
+_inlined: Any = numba.njit(inline="always")
+TINY = 1e-9  # what may be missing of a limit before the torque is changed
+SOON = 5.0  # a limit with less left has a row from the start [m/s^2, rad/s^2]
+LEAST = 1e-3  # torque limit that a joint without motor is counted with [N m]
 
 
 @compiled
@@ -32,50 +38,55 @@ def add_pull(x: Row, link: int, point: Vector, direction: Vector, out: FloatArra
 
 
 @compiled
-def write_row(
-    x: Row,
-    joints: Records,
-    factored: FloatArray,
-    near: FloatArray,
-    k: int,
-    pull: FloatArray,
-    row: FloatArray,
-) -> float:
-    """row . u >= what is returned, u being the change of torque as a share of its limit.
+def gain(x: Row, near: FloatArray, moving: FloatArray, further: FloatArray) -> float:
+    """By how much a change of the joints' acceleration, which `moving` tells too, opens a limit."""
+    if near[1] >= 0.0:
+        return float(near[2] * further[int(near[1])])
+    on_a, on_b = (near[4], near[5], near[6]), (near[7], near[8], near[9])
+    apart = subtract(help_at(x, moving, int(near[2]), on_a), help_at(x, moving, int(near[3]), on_b))
+    return float(dot((near[10], near[11], near[12]), apart))
 
-    It is scaled by the root of J M^-1 J^T, so that what is missing of it is measured like u.
+
+@compiled
+def add_row(x: Row, i: int, k: int, count: int, p: Filtering, pull: FloatArray) -> int:
+    """Ask of the change that limit k be kept; returns how many rows there are then.
+
+    The row is J M^-1, times the torque limits. It is scaled by the root of J M^-1 J^T, so that
+    what is missing of it is measured like the change.
 
     Args:
         x: the simulation.
-        joints: JOINT.
-        factored: M.
-        near: the limits.
-        k: which of them.
+        i: which it is.
+        k: the limit.
+        count: how many rows there are.
+        p: the filter.
         pull: (nv,) to work in: J.
-        row: (nv,) what is filled in: J M^-1, times the torque limits.
     """
-    nv = row.shape[0]
+    nv, near, row, cost = pull.shape[0], p.near[i, k], p.rows[i, count], p.cost[i]
+    near[14] = 1.0
     for j in range(nv):
-        pull[j] = 0.0
-    if near[k, 1] >= 0.0:
-        pull[int(near[k, 1])] = near[k, 2]
+        pull[j] = row[j] = 0.0
+    if near[1] >= 0.0:
+        pull[int(near[1])] = near[2]
     else:
-        n = near[k, 10], near[k, 11], near[k, 12]
-        add_pull(x, int(near[k, 2]), (near[k, 4], near[k, 5], near[k, 6]), n, pull)
-        opposite = scale(-1.0, n)
-        add_pull(x, int(near[k, 3]), (near[k, 7], near[k, 8], near[k, 9]), opposite, pull)
-    for j in range(nv):
-        row[j] = pull[j]
-    solve(x.dofs, factored, row)
+        n = near[10], near[11], near[12]
+        add_pull(x, int(near[2]), (near[4], near[5], near[6]), n, pull)
+        add_pull(x, int(near[3]), (near[7], near[8], near[9]), scale(-1.0, n), pull)
     square = 0.0
+    for j in range(nv):
+        pull[j] /= max(p.joints[j].limit, LEAST)
+        if pull[j] != 0.0:
+            for m in range(nv):
+                row[m] += cost[j, m] * pull[j]
     for j in range(nv):
         square += row[j] * pull[j]
     if square < 1e-9:
-        return -np.inf
+        return count
     length = np.sqrt(square)
     for j in range(nv):
-        row[j] *= joints[j].limit / length
-    return float(-near[k, 0] / length)
+        row[j] = row[j] / length if p.joints[j].limit > 0.0 else 0.0
+    p.lower[i, nv + count] = -near[0] / length
+    return count + 1
 
 
 @compiled
@@ -88,7 +99,7 @@ def write_cost(dofs: Records, joints: Records, factored: FloatArray, cost: Float
         cost[j, j] = 1.0
         solve(dofs, factored, cost[j])
         for i in range(nv):
-            cost[j, i] *= max(joints[j].limit, 1e-3) * max(joints[i].limit, 1e-3)
+            cost[j, i] *= max(joints[j].limit, LEAST) * max(joints[i].limit, LEAST)
 
 
 @compiled
@@ -115,7 +126,7 @@ def screen_one(
 ) -> int:
     """Write the rows of the limits that are near if the torque runs into one; returns how many."""
     nv = bias.shape[0]
-    mass, force, moving, near = p.mass[share], p.work[share], p.moving[share], p.near[share]
+    mass, force, moving, near = p.mass[share], p.work[share], p.moving[share], p.near[i]
     torque = p.torque[i]
     mass_matrix(x, p.lumps, p.joints, step, p.whole[share], mass)
     observe(abs(now - p.clock[i] - step) > 0.5 * step, step, x, p, i, mass, force)
@@ -138,15 +149,66 @@ def screen_one(
     )  # fmt: skip
     for k in range(p.touches.shape[1]):
         p.touches[i, k].share = 0.0  # so that an old one is not read again
+    p.found[i] = count
     runs_into = False
     for k in range(count):
-        runs_into = runs_into or near[k, 0] < -1e-9
+        near[k, 14] = 0.0
+        runs_into = runs_into or near[k, 0] < -TINY
     if not runs_into:
         return 0
-    for k in range(count):
-        p.needs[i, k] = write_row(x, p.joints, mass, near, k, force, p.rows[i, k])
     write_cost(x.dofs, p.joints, mass, p.cost[i])
-    return count
+    for j in range(nv):
+        part = torque[j] / max(p.joints[j].limit, LEAST)
+        p.upper[i, j], p.lower[i, j] = 1.0 - part, -1.0 - part
+    rows = 0
+    for k in range(count):
+        if near[k, 0] < SOON:
+            rows = add_row(x, i, k, rows, p, force)
+    return rows
+
+
+@compiled
+def settle_one(x: Row, i: int, change: FloatArray, more: bool, p: Filtering) -> int:
+    """Take a change of the torque, or add rows for the limits that it would run into.
+
+    Args:
+        x: the simulation.
+        i: which it is.
+        change: (nv,) of the torques, as shares of their limits.
+        more: whether rows may be added.
+        p: the filter.
+
+    Returns:
+        How many rows there are now; 0 if the change was taken.
+    """
+    nv, moving, further = change.shape[0], p.moving[0], p.help[0]
+    for j in range(nv):
+        total = 0.0
+        for k in range(nv):
+            total += p.cost[i, j, k] * change[k]
+        further[j] = total / max(p.joints[j].limit, LEAST)
+    push_on(x, further, moving)
+    rows = p.count[i]
+    for k in range(p.found[i] if more else 0):
+        near = p.near[i, k]
+        if near[14] == 0.0 and near[0] + gain(x, near, moving, further) < -TINY:
+            rows = add_row(x, i, k, rows, p, p.work[0])
+    if rows > p.count[i]:
+        p.count[i] = rows
+        return int(rows)
+    for j in range(nv):
+        take(i, j, p.torque[i, j] + change[j] * p.joints[j].limit, p)
+    return 0
+
+
+@compiled
+def take(i: int, j: int, torque: float, p: Filtering) -> None:
+    """Let a torque replace the one that was asked for."""
+    limit = p.joints[j].limit
+    safe = min(max(torque, -limit), limit)
+    if p.contribution.shape[0]:
+        p.contribution[i, p.contribution.shape[1] - 1, j] += safe - p.torque[i, j]
+    p.torque[i, j] = p.applied[i, j] = safe
 
 
 @compiled
@@ -178,20 +240,34 @@ def screen_share(
     return found
 
 
+@_inlined
+def unpack(r: Any) -> Filtering:
+    """The arrays of a `Filter`."""
+    return Filtering(
+        r.links, r.dofs, r.lumps, r.joints, r.guarded, r.pairs, r.capsules, r.touches, r.live,
+        r.backgrounds, r.contribution, r.torque, r.applied, r.passive, r.besides, r.before, r.clock,
+        r.near, r.found, r.rows, r.upper, r.lower, r.cost, r.count, r.shares, r.mass, r.whole,
+        r.moving, r.work, r.help, r.balls, r.placed,
+    )  # fmt: skip
+
+
 def _make(code: str) -> Any:
     @compiled_entry
     def screen(share, step, time, qpos, qvel, xpos, xmat, cdof, cvel, com, bias, r):  # type: ignore[no-untyped-def]
         """See `screen_share`."""
         len(code)
-        parts = Filtering(
-            r.links, r.dofs, r.lumps, r.joints, r.guarded, r.pairs, r.capsules, r.touches,
-            r.live, r.backgrounds, r.contribution, r.torque, r.applied, r.passive, r.besides,
-            r.before, r.clock, r.rows, r.needs, r.cost, r.count, r.shares, r.mass, r.whole, r.moving,  # noqa: E501
-            r.work, r.help, r.balls, r.placed, r.near,
-        )  # fmt: skip
-        return screen_share(share, step, time, qpos, qvel, xpos, xmat, cdof, cvel, com, bias, parts)
+        p = unpack(r)
+        return screen_share(share, step, time, qpos, qvel, xpos, xmat, cdof, cvel, com, bias, p)
 
-    return screen
+    @compiled_entry
+    def settle(i, change, more, qpos, qvel, xpos, xmat, cdof, cvel, com, r):  # type: ignore[no-untyped-def]
+        """See `settle_one`."""
+        len(code)
+        p = unpack(r)
+        x = Row(qpos[i], qvel[i], xpos[i], xmat[i], cdof[i], cvel[i], com[i], p.links, p.dofs)
+        return settle_one(x, i, change, more, p)
+
+    return screen, settle
 
 
-screen: Any = _make(fingerprint())
+screen, settle = _make(fingerprint())
