@@ -44,9 +44,10 @@ from primitives.repulsion import (
 
 FloatArray = NDArray[np.float64]
 
-MARGIN = 0.005  # kept between links that must not touch [m]
-SPARE = 0.001  # aimed at beyond the margin, for what is left out: steps, edges, impacts [m]
-SPARE_ANGLE = 0.02  # likewise before the end of a joint's range [rad]
+MARGIN = 0.002  # kept between links that must not touch [m]
+SPARE = 0.002  # aimed at beyond the margin, for what is left out: steps, edges, impacts [m]
+SPARE_ANGLE = 0.01  # likewise before the end of a joint's range [rad]
+BRUSH = 0.003  # what may touch but is no hand's goal may press in so far; so it lands softly [m]
 YIELD = 0.03  # by so much a margin is lowered below contact where a hand is to touch [m]
 PACE = 20.0  # w: how fast the way that is left to a limit may shrink [1/s]
 BRAKING = 60.0  # A of two links [m/s^2]; that of a joint follows from its motor
@@ -317,6 +318,7 @@ def look_at_pairs(
     x: Row,
     guarded: Records,
     pairs: Records,
+    brushing: Records,
     capsules: Records,
     touches: Records,
     moving: FloatArray,
@@ -325,7 +327,11 @@ def look_at_pairs(
     count: int,
     near: FloatArray,
 ) -> int:
-    """Rows of `near` for the links that must not touch; returns how many there are then."""
+    """Rows of `near` for the links that must not touch, and for capsules that may brush.
+
+    Returns:
+        How many rows there are then.
+    """
     for g in range(guarded.shape[0]):
         link = guarded[g].link
         centre = to_world(x, link, vector(guarded[g].centre))
@@ -374,4 +380,26 @@ def look_at_pairs(
                     count,
                     near,
                 )
+    for p in range(brushing.shape[0]):
+        m, n = brushing[p].a, brushing[p].b
+        place(x, capsules, m, placed)
+        place(x, capsules, n, placed)
+        a, b = capsules[m], capsules[n]
+        middle_a = placed[m, 0], placed[m, 1], placed[m, 2]
+        middle_b = placed[n, 0], placed[n, 1], placed[n, 2]
+        passing = subtract(
+            velocity_at(x, moving, a.link, middle_a), velocity_at(x, moving, b.link, middle_b)
+        )
+        turn_a, turn_b = (
+            spin(moving, x.links[a.link].last_dof), spin(moving, x.links[b.link].last_dof)
+        )  # fmt: skip
+        view = look_from(
+            np.sqrt(dot(passing, passing))
+            + a.reach * np.sqrt(dot(turn_a, turn_a))
+            + b.reach * np.sqrt(dot(turn_b, turn_b))
+        )
+        if closer(middle_a, middle_b, a.reach + b.reach + view):
+            count = look_at_capsules(
+                x, a, b, placed, m, n, -BRUSH, view, moving, count, count, near
+            )  # fmt: skip
     return count

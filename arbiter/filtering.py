@@ -18,6 +18,7 @@ class Filtering(NamedTuple):
     joints: Records
     guarded: Records
     pairs: Records
+    brushing: Records
     capsules: Records
     # The arbiter's own.
     touches: Records  # (n, slots + 1) TOUCH: which hands are to touch what

@@ -24,6 +24,7 @@ from arbiter.screening import screen, settle
 from primitives import AvoidCollisions
 from primitives.compiled import Records
 from primitives.mechanics import dof_table, link_table
+from primitives.repulsion import PAIR
 from primitives.table import FieldTable, TableBuilder
 from sim import Body, State, inertias
 
@@ -76,7 +77,7 @@ class SafetyFilter:
         links, capsules = len(table.guarded), len(table.capsules)
         parts = Filtering(
             *(link_table(body), dof_table(body), lump_table(body), joints),
-            *(table.guarded, table.pairs, table.capsules, touches, live),
+            *(table.guarded, table.pairs, brushing(body), table.capsules, touches, live),
             *(np.array([backgrounds]), contribution, torque),
             *(np.zeros((n, nv)), self._passive, np.zeros((n, nv)), self._before),
             *(np.full(n, -np.inf), np.zeros((n, most, NEAR)), np.zeros(n, dtype=np.int32)),
@@ -154,3 +155,23 @@ def guarded_links(body: Body) -> FieldTable:
     if body.map.keep_apart:
         AvoidCollisions().bind(body, np.inf).add_to(builder)
     return builder.build()  # type: ignore[no-any-return]
+
+
+def brushing(body: Body) -> Records:
+    """Capsules of the links that must not touch something, which may touch each other.
+
+    They are those that the model names in a pair of its own: an arm may lie on the ribs. The
+    impact of two such capsules could throw a joint past its end before any torque could help.
+
+    Returns:
+        Rows of PAIR, by their place in the table of capsules.
+    """
+    names = dict.fromkeys(name for pair in body.map.keep_apart for name in pair)
+    geoms = [int(g) for g in body.capsules(names).geom]
+    apart = {frozenset(body.link(name) for name in pair) for pair in body.map.keep_apart}
+    model, found = body.model, []
+    for pair in zip(model.pair_geom1, model.pair_geom2, strict=True):
+        links = frozenset(int(model.geom_bodyid[g]) for g in pair)
+        if links not in apart and all(g in geoms for g in pair):
+            found.append(tuple(geoms.index(int(g)) for g in pair))
+    return np.array(found, dtype=PAIR)

@@ -144,7 +144,7 @@ def screen_one(
     move(x, force, help_, moving)
     count = look_at_joints(x, p.joints, force, help_, near)
     count = look_at_pairs(
-        x, p.guarded, p.pairs, p.capsules, p.touches[i], moving,
+        x, p.guarded, p.pairs, p.brushing, p.capsules, p.touches[i], moving,
         p.balls[share], p.placed[share], count, near,
     )  # fmt: skip
     for k in range(p.touches.shape[1]):
@@ -240,14 +240,14 @@ def screen_share(
     return found
 
 
-@_inlined
+@_inlined  # type: ignore[untyped-decorator]
 def unpack(r: Any) -> Filtering:
     """The arrays of a `Filter`."""
     return Filtering(
-        r.links, r.dofs, r.lumps, r.joints, r.guarded, r.pairs, r.capsules, r.touches, r.live,
-        r.backgrounds, r.contribution, r.torque, r.applied, r.passive, r.besides, r.before, r.clock,
-        r.near, r.found, r.rows, r.upper, r.lower, r.cost, r.count, r.shares, r.mass, r.whole,
-        r.moving, r.work, r.help, r.balls, r.placed,
+        r.links, r.dofs, r.lumps, r.joints, r.guarded, r.pairs, r.brushing, r.capsules, r.touches,
+        r.live, r.backgrounds, r.contribution, r.torque, r.applied, r.passive, r.besides,
+        r.before, r.clock, r.near, r.found, r.rows, r.upper, r.lower, r.cost, r.count, r.shares,
+        r.mass, r.whole, r.moving, r.work, r.help, r.balls, r.placed,
     )  # fmt: skip
 
 
