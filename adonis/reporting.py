@@ -15,6 +15,8 @@ from adonis.attribution_figure import plot_attribution
 from adonis.errors import OutputError
 from adonis.judging import judge, torque_steps
 from adonis.plotting import plot_hand_speed, plot_torque
+from adonis.timeline import timeline
+from adonis.timeline_figure import plot_timeline
 from adonis.transitions import transitions
 from adonis.verdicts import Judgement
 from primitives import Follow, GoToPoint
@@ -28,7 +30,7 @@ from sim import (
     render_filmstrip,
     render_video,
 )
-from specs import TaskSpec
+from specs import TaskSpec, build_graph
 
 
 @dataclass(frozen=True)
@@ -136,6 +138,8 @@ def write_results(
     plot_hand_speed(recording, replay, names, files["hand speed"])
     files["torque"] = folder / "torque.png"
     plot_torque(recording, replay, names, files["torque"])
+    files["timeline"] = folder / "timeline.png"
+    plot_timeline(timeline(build_graph(spec), recording), files["timeline"])
     if found.primitives:
         files["attribution"] = folder / "attribution.png"
         plot_attribution(recording, replay, names, found, files["attribution"])
