@@ -211,16 +211,24 @@ def clearance(recording: Recording, spec: TaskSpec) -> Closest:
 
 
 def filmstrip_frames(recording: Recording, spec: TaskSpec) -> list[Frame]:
-    """One frame for each sub-task, at its end; the last row if it came to none."""
+    """One frame for each moment in which sub-tasks end; the last row if it came to none."""
     subtasks = {s.name: s for s in spec.subtasks}
-    frames = []
+    last = float(recording.time[-1])
+    moments: dict[int, list[tuple[int, Any]]] = {}
     for number, span in enumerate(sorted_spans(recording), start=1):
-        subtask = subtasks[span.name]
-        said = subtask.words or subtask.name
-        trail = spec.duration(subtask)
-        end = span.end if np.isfinite(span.end) else float(recording.time[-1])
-        frames.append(Frame(end, f"{number}  {said}", trail))
-    return frames or [Frame(float(recording.time[-1]), "the end")]
+        row = recording.row(span.end if np.isfinite(span.end) else last)
+        moments.setdefault(row, []).append((number, subtasks[span.name]))
+    frames = [
+        Frame(
+            float(recording.time[row]),
+            ", ".join(str(number) for number, _ in ended)
+            + "  "
+            + "; ".join(subtask.words or subtask.name for _, subtask in ended),
+            max(spec.duration(subtask) for _, subtask in ended),
+        )
+        for row, ended in sorted(moments.items())
+    ]
+    return frames or [Frame(last, "the end")]
 
 
 def sorted_spans(recording: Recording) -> list[Any]:
