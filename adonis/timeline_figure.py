@@ -28,17 +28,18 @@ def plot_timeline(shown: Timeline, path: Path) -> None:
     """Write a Gantt chart: planned bars hollow, what ran below them solid."""
     count = len(shown.rows)
     labelled = count <= MOST_LABELS
-    height = 1.3 + (0.46 * count if labelled else 20.0)
+    height = 1.3 + (0.46 * count if labelled else 10.0)
     figure, axes = plt.subplots(figsize=(11, height), layout="constrained")
     if shown.end / shown.beat <= MOST_BEATS:
         for k in range(int(shown.end / shown.beat) + 1):
             axes.axvline(k * shown.beat, color=GREY, lw=0.8, zorder=0)
-    for y, row in enumerate(shown.rows):
-        _draw(axes, y, row, shown, labelled=labelled)
     if labelled:
+        for y, row in enumerate(shown.rows):
+            _draw(axes, y, row, shown)
         axes.set_yticks(range(count), [_label(row) for row in shown.rows], fontsize=8)
         _hand_overs(axes, shown)
     else:
+        _draw_many(axes, shown)
         axes.set_yticks([])
         axes.set_ylabel(f"{count} sub-tasks")
     axes.set(xlim=(0.0, shown.end), ylim=(count - 0.4, -0.6), xlabel="time [s]")
@@ -49,7 +50,7 @@ def plot_timeline(shown: Timeline, path: Path) -> None:
     plt.close(figure)
 
 
-def _draw(axes: Axes, y: float, row: Row, shown: Timeline, *, labelled: bool) -> None:
+def _draw(axes: Axes, y: float, row: Row, shown: Timeline) -> None:
     color = _color(row)
     start, end = row.planned
     top, high = y + PLAN[0], PLAN[1]
@@ -77,7 +78,7 @@ def _draw(axes: Axes, y: float, row: Row, shown: Timeline, *, labelled: bool) ->
             )  # fmt: skip
         middle = top + 0.5 * high
         axes.plot([over, row.let_go], [middle, middle], color=color, lw=1.6, alpha=0.55)
-    if labelled and row.outcome != "done":
+    if row.outcome != "done":
         beside = row.let_go if row.ran else end
         late = beside > 0.85 * shown.end
         axes.annotate(
@@ -90,6 +91,17 @@ def _draw(axes: Axes, y: float, row: Row, shown: Timeline, *, labelled: bool) ->
             fontsize=8,
             color=WRONG if row.outcome == "timed out" else QUIET,
         )
+
+
+def _draw_many(axes: Axes, shown: Timeline) -> None:
+    """Lines instead of bars: grey as planned, coloured as it ran."""
+    y = np.arange(len(shown.rows))
+    plan = np.array([row.planned for row in shown.rows])
+    axes.hlines(y - 0.2, *plan.T, color=QUIET, lw=0.8)
+    if shown.recorded:
+        over = [row.ended if np.isfinite(row.ended) else row.let_go for row in shown.rows]
+        colors = [_color(row) for row in shown.rows]
+        axes.hlines(y + 0.2, [row.began for row in shown.rows], over, colors=colors, lw=1.2)
 
 
 def _hand_overs(axes: Axes, shown: Timeline) -> None:
@@ -110,6 +122,9 @@ def _hand_overs(axes: Axes, shown: Timeline) -> None:
 
 
 def _legend(axes: Axes, shown: Timeline) -> None:
+    if len(shown.rows) > MOST_LABELS:
+        axes.set_title(shown.title, loc="left", fontsize=10)
+        return
     box = ((0, 0), 1, 1)
     proxies: list[Artist] = [Rectangle(*box, facecolor="white", edgecolor=QUIET)]
     names = ["planned"]

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,7 +15,7 @@ from adonis.timeline_figure import plot_timeline
 from adonis.timeline_text import PLANNED, RUNS, extent, print_timeline
 from adonis.transitions import transitions
 from primitives import Relax
-from sim import Body, Recording, Replay
+from sim import Body, Recording, Replay, Span
 from specs import SubTask, TaskSpec, bind_task, build_graph, task_from_text
 
 TASK = """task: knock
@@ -125,6 +126,14 @@ def test_lines_fit(words: str, width: int) -> None:
 def test_figures_of_few_and_of_many(ran, tmp_path: Path) -> None:
     many = [SubTask(name=f"s{k}", does=Relax(limb="left_arm"), seconds=0.1) for k in range(150)]
     graph = build_graph(TaskSpec(task="t", subtasks=many))
-    for name, shown in (("few", ran[2]), ("many", timeline(graph))):
+    spec, recording, few = ran
+    running = [replace(s, end=np.nan, outcome="running") for s in recording.spans[:1]]
+    pending = [replace(s, start=np.nan, end=np.nan, outcome="pending") for s in recording.spans[1:]]
+    stopped = timeline(build_graph(spec), replace(recording, spans=(*running, *pending)))
+    assert [row.became for row in stopped.rows] == ["running"] + ["not begun"] * 4
+    spans = tuple(Span(s.name, 0.1, 0.2, "done") for s in many)
+    all_ran = timeline(graph, replace(recording, spans=spans))
+    shapes = {"few": few, "stopped": stopped, "many": timeline(graph), "all-ran": all_ran}
+    for name, shown in shapes.items():
         plot_timeline(shown, tmp_path / f"{name}.png")
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")

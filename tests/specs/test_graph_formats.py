@@ -222,3 +222,31 @@ def test_mistakes_in_nodes_are_placed(body: Body) -> None:
     )
     with pytest.raises(SpecError, match=r"t.json:6:\d+: name should be a valid string"):
         task_from_text(unnamed, "t.json")
+
+
+ANYTHING = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.sampled_from(["a", "b", "after", "kind", ""]),
+    lambda inside: (
+        st.lists(inside, max_size=3)
+        | st.dictionaries(st.sampled_from(["name", "from", "to", "kind", "x"]), inside, max_size=3)
+    ),
+    max_leaves=6,
+)
+
+
+@given(st.sampled_from(["nodes", "edges", "planned"]), st.integers(0, 3), ANYTHING)
+def test_whatever_stands_in_a_graph_there_is_one_message(
+    key: str, place: int, thing: object
+) -> None:
+    whole = json.loads(GRAPH)
+    if key in whole and place < len(whole[key]):
+        whole[key][place] = thing
+    else:
+        whole[key] = thing
+    said = "t.json: nothing"
+    try:
+        build_graph(*task_from_text(json.dumps(whole), "t.json"))
+    except SpecError as problem:
+        said = str(problem)
+    assert said.startswith("t.json:")
+    assert "\n" not in said
