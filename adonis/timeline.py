@@ -1,7 +1,7 @@
 """A timeline: when each sub-task was planned, when it ran, and what it did with its joints.
 
-What ran comes from the recording: spans say when a sub-task began and was over, its torques say
-since when it has pulled (the earlier rounds of one that repeats) and until when (a held goal).
+What ran comes from the recording: spans say when a sub-task began and was over, its torques until
+when it pulled (its goal is held) and from whom it took joints.
 """
 
 from collections.abc import Mapping
@@ -93,7 +93,7 @@ def _as_it_ran(row: Row, spans: Mapping[str, Span], recording: Recording) -> Row
     span = spans[name]
     if not np.isfinite(span.start):
         return replace(row, outcome=span.outcome)
-    began, let_go = span.start, span.end
+    let_go = span.end
     if not np.isfinite(let_go):
         let_go = float(recording.time[-1])
     took_from: tuple[str, ...] = ()
@@ -101,14 +101,14 @@ def _as_it_ran(row: Row, spans: Mapping[str, Span], recording: Recording) -> Row
         pull = recording.contribution[:, recording.names.index(name)]
         pulls = recording.time[pull.any(axis=1)]
         if len(pulls):
-            began, let_go = min(began, float(pulls[0])), max(let_go, float(pulls[-1]))
-        rows = hand_over_rows(recording, replace(span, start=began), row.hand_over)
+            let_go = max(let_go, float(pulls[-1]))
+        rows = hand_over_rows(recording, replace(span, start=span.first), row.hand_over)
         dofs = np.flatnonzero(pull[rows].any(axis=0))
         took_from = givers(recording, name, rows, dofs, tuple(spans))
     return replace(
         row,
         outcome=span.outcome,
-        began=began,
+        began=span.first,
         ended=span.end,
         let_go=let_go,
         took_from=took_from,
