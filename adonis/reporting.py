@@ -233,7 +233,7 @@ def filmstrip_frames(recording: Recording, spec: TaskSpec) -> list[Frame]:
 
 def sorted_spans(recording: Recording) -> list[Any]:
     """The sub-tasks that began, in the order in which they did."""
-    return sorted((s for s in recording.spans if np.isfinite(s.start)), key=lambda s: s.start)
+    return sorted((s for s in recording.spans if np.isfinite(s.start)), key=lambda s: s.first)
 
 
 def write_text(path: Path, text: str) -> None:
