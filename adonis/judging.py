@@ -320,11 +320,9 @@ class _Measuring:
             if span is None or not np.isfinite(span.start):
                 continue
             dofs = [self.replay.dof(j) for j in self._joints(claimed(subtask))]
-            rows = [
-                np.arange(len(steps))[hand_over_rows(recording, begun, task.fade(subtask))]
-                for begun in {span, replace(span, start=span.first)}
-            ]
-            window = steps[np.ix_(np.concatenate(rows), dofs)]
+            first, fade = replace(span, start=span.first), task.fade(subtask)
+            rounds = [steps[hand_over_rows(recording, begun, fade)] for begun in (first, span)]
+            window = np.concatenate(rounds)[:, dofs]
             if window.size == 0:
                 continue
             row, column = np.unravel_index(np.argmax(window), window.shape)
