@@ -51,7 +51,7 @@ def plot_attribution(
         len(heights), 1, figsize=(11, sum(heights) + 1.5), sharex=True, layout="constrained",
         height_ratios=heights,
     )  # fmt: skip
-    begun = sorted((s for s in recording.spans if np.isfinite(s.start)), key=lambda s: s.start)
+    begun = sorted((s for s in recording.spans if np.isfinite(s.start)), key=lambda s: s.first)
     _timeline(rows[0], recording, begun, colors)
     numbers = {span.name: k for k, span in enumerate(begun, start=1)}
     carriers = {p.name for p in found.primitives if p.carries_weight}
@@ -66,7 +66,7 @@ def plot_attribution(
     _strips(rows[-1], recording, pulled, limits, pairs)
     for axes in rows[1:]:
         for span in begun:
-            axes.axvline(span.start, color=INK, lw=0.4, alpha=0.5)
+            axes.axvline(span.first, color=INK, lw=0.4, alpha=0.5)
     rows[-1].set(xlabel="time [s]", xlim=(0.0, float(recording.time[-1])))
     said = "share of each primitive in the torque of the part; black, how much all of them make"
     rows[1].set_title(said, fontsize=8, loc="left")
@@ -93,7 +93,7 @@ def _colors(
     recording: Recording, asked: FloatArray, parts: Mapping[str, Sequence[int]]
 ) -> dict[str, str]:
     """Of each primitive: the background's in the order of the task, sub-tasks taking turns."""
-    starts = {s.name: s.start for s in recording.spans}
+    starts = {s.name: s.first for s in recording.spans}
     background = [name for name in recording.names if name not in starts]
     colors = {name: BACKGROUND[k % len(BACKGROUND)] for k, name in enumerate(background)}
     order = sorted((n for n in starts if n in recording.names), key=lambda n: starts[n])
@@ -125,10 +125,10 @@ def _timeline(
         end = span.end if np.isfinite(span.end) else last
         lane = (number - 1) % lanes
         color = colors.get(span.name, INK)
-        axes.barh(lane, end - span.start, left=span.start, height=0.22, color=color)
+        axes.barh(lane, end - span.first, left=span.first, height=0.22, color=color)
         if len(begun) <= NAMED:
             axes.annotate(
-                f"{number} {span.name}", (span.start, lane), (0, -2.5), fontsize=7,
+                f"{number} {span.name}", (span.first, lane), (0, -2.5), fontsize=7,
                 textcoords="offset points", va="top" if lanes > 1 else "bottom", color=INK,
             )  # fmt: skip
     axes.set(ylim=(lanes - 0.1, -0.4), yticks=[])

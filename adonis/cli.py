@@ -67,7 +67,9 @@ class Format(StrEnum):
 
     mermaid = "mermaid"
     dot = "dot"
+    graphml = "graphml"
     json = "json"
+    timeline = "timeline"
 
 
 @app.command()
@@ -195,19 +197,22 @@ def check(
 def graph(
     task: TaskArgument,
     style: Annotated[Format, typer.Option("--format", help="How to print it.")] = Format.mermaid,
+    body: BodyOption = "adonis",
     tempo: TempoOption = None,
     primitives: PrimitivesOption = None,
 ) -> None:
-    """Print the task graph."""
-    from specs import SpecError, build_graph, to_dot, to_json, to_mermaid
+    """Print the task graph, or a timeline of it; TASK may be the folder of a run.
 
-    spec, document = _load(task, tempo, primitives)
+    JSON carries the whole task: `adonis run` takes it like a task file.
+    """
+    from adonis.graphing import print_graph
+    from sim import SimError
+    from specs import SpecError
+
     try:
-        made = build_graph(spec, document)
-    except SpecError as problem:
+        print_graph(task, style.value, body, tempo, _classes(primitives))
+    except (SimError, SpecError) as problem:
         _refuse(problem)
-    printers = {Format.mermaid: to_mermaid, Format.dot: to_dot, Format.json: to_json}
-    typer.echo(printers[style](made), nl=False)
 
 
 @app.command("list")

@@ -320,7 +320,9 @@ class _Measuring:
             if span is None or not np.isfinite(span.start):
                 continue
             dofs = [self.replay.dof(j) for j in self._joints(claimed(subtask))]
-            window = steps[hand_over_rows(recording, span, task.fade(subtask)), dofs]
+            first, fade = replace(span, start=span.first), task.fade(subtask)
+            rounds = [steps[hand_over_rows(recording, begun, fade)] for begun in (first, span)]
+            window = np.concatenate(rounds)[:, dofs]
             if window.size == 0:
                 continue
             row, column = np.unravel_index(np.argmax(window), window.shape)
@@ -360,9 +362,9 @@ class _Measuring:
         """When the next sub-task that claims a joint of this one began, or infinity [s]."""
         own, start = self._joints(claimed(subtask)), spans[subtask.name].start
         later = [
-            spans[s.name].start
+            spans[s.name].first
             for s in task.subtasks
-            if s.name in spans and spans[s.name].start > start and own & self._joints(claimed(s))
+            if s.name in spans and spans[s.name].first > start and own & self._joints(claimed(s))
         ]
         return min(later, default=np.inf)
 

@@ -63,14 +63,14 @@ def plot_torque(recording: Recording, replay: Replay, names: BodyMap, path: Path
 
 def _mark_subtasks(axes: Axes, recording: Recording, *, words: bool = True) -> None:
     """Shade every other sub-task and number it."""
-    begun = sorted((s for s in recording.spans if np.isfinite(s.start)), key=lambda s: s.start)
+    begun = sorted((s for s in recording.spans if np.isfinite(s.start)), key=lambda s: s.first)
     last = float(recording.time[-1])
     for number, span in enumerate(begun, start=1):
         end = span.end if np.isfinite(span.end) else last
         if number % 2:
-            axes.axvspan(span.start, end, color=GREY, lw=0)
+            axes.axvspan(span.first, end, color=GREY, lw=0)
         if words and len(begun) <= 40:
-            middle = 0.5 * (span.start + end)
+            middle = 0.5 * (span.first + end)
             axes.annotate(
                 str(number),
                 (middle, 1.0),

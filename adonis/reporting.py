@@ -15,6 +15,8 @@ from adonis.attribution_figure import plot_attribution
 from adonis.errors import OutputError
 from adonis.judging import judge, torque_steps
 from adonis.plotting import plot_hand_speed, plot_torque
+from adonis.timeline import timeline
+from adonis.timeline_figure import plot_timeline
 from adonis.transitions import transitions
 from adonis.verdicts import Judgement
 from primitives import Follow, GoToPoint
@@ -28,7 +30,7 @@ from sim import (
     render_filmstrip,
     render_video,
 )
-from specs import TaskSpec
+from specs import TaskSpec, build_graph
 
 
 @dataclass(frozen=True)
@@ -136,6 +138,8 @@ def write_results(
     plot_hand_speed(recording, replay, names, files["hand speed"])
     files["torque"] = folder / "torque.png"
     plot_torque(recording, replay, names, files["torque"])
+    files["timeline"] = folder / "timeline.png"
+    plot_timeline(timeline(build_graph(spec), recording), files["timeline"])
     if found.primitives:
         files["attribution"] = folder / "attribution.png"
         plot_attribution(recording, replay, names, found, files["attribution"])
@@ -207,21 +211,29 @@ def clearance(recording: Recording, spec: TaskSpec) -> Closest:
 
 
 def filmstrip_frames(recording: Recording, spec: TaskSpec) -> list[Frame]:
-    """One frame for each sub-task, at its end; the last row if it came to none."""
+    """One frame for each moment in which sub-tasks end; the last row if it came to none."""
     subtasks = {s.name: s for s in spec.subtasks}
-    frames = []
+    last = float(recording.time[-1])
+    moments: dict[int, list[tuple[int, Any]]] = {}
     for number, span in enumerate(sorted_spans(recording), start=1):
-        subtask = subtasks[span.name]
-        said = subtask.words or subtask.name
-        trail = spec.duration(subtask)
-        end = span.end if np.isfinite(span.end) else float(recording.time[-1])
-        frames.append(Frame(end, f"{number}  {said}", trail))
-    return frames or [Frame(float(recording.time[-1]), "the end")]
+        row = recording.row(span.end if np.isfinite(span.end) else last)
+        moments.setdefault(row, []).append((number, subtasks[span.name]))
+    frames = [
+        Frame(
+            float(recording.time[row]),
+            ", ".join(str(number) for number, _ in ended)
+            + "  "
+            + "; ".join(subtask.words or subtask.name for _, subtask in ended),
+            max(spec.duration(subtask) for _, subtask in ended),
+        )
+        for row, ended in sorted(moments.items())
+    ]
+    return frames or [Frame(last, "the end")]
 
 
 def sorted_spans(recording: Recording) -> list[Any]:
     """The sub-tasks that began, in the order in which they did."""
-    return sorted((s for s in recording.spans if np.isfinite(s.start)), key=lambda s: s.start)
+    return sorted((s for s in recording.spans if np.isfinite(s.start)), key=lambda s: s.first)
 
 
 def write_text(path: Path, text: str) -> None:

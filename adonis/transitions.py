@@ -96,7 +96,7 @@ def transitions(recording: Recording, spec: TaskSpec, replay: Replay) -> tuple[T
         found.append(
             Transition(
                 time=span.start,
-                giving=_giving(recording, span, rows, dofs, giving),
+                giving=givers(recording, span.name, rows, dofs, giving),
                 taking=span.name,
                 joints=tuple(replay.joint_of_dof(int(dof)) for dof in dofs),
                 torque_step=float(window[:, largest].max()),
@@ -111,14 +111,14 @@ def transitions(recording: Recording, spec: TaskSpec, replay: Replay) -> tuple[T
     return tuple(found)
 
 
-def _giving(
-    recording: Recording, span: Span, rows: slice, dofs: IntArray, candidates: Sequence[str]
+def givers(
+    recording: Recording, taking: str, rows: slice, dofs: IntArray, candidates: Sequence[str]
 ) -> tuple[str, ...]:
     """Who pulled on the joints during the hand-over, and on none of them once it was over."""
     after = min(rows.stop, len(recording.time) - 1)
     found = []
     for name in candidates:
-        if name != span.name and name in recording.names:
+        if name != taking and name in recording.names:
             own = recording.contribution[:, recording.names.index(name)][:, dofs]
             if own[rows].any() and not own[after].any():
                 found.append(name)

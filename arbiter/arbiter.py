@@ -207,12 +207,12 @@ class Arbiter:
         """What became of each sub-task so far."""
         found = []
         for name, row in zip(self.task.graph.order, self._log[simulation], strict=True):
-            outcome, start, end = int(row["outcome"]), np.nan, np.nan
+            outcome, start, began, end = int(row["outcome"]), np.nan, np.nan, np.nan
             if outcome not in (PENDING, SKIPPED):
-                start = float(row["start"] + row["start_lag"])
+                start, began = float(row["start"] + row["start_lag"]), float(row["began"])
             if outcome >= DONE and outcome != SKIPPED:
                 end = float(row["end"] + row["end_lag"])
-            found.append(Span(name, start, end, OUTCOMES[outcome]))
+            found.append(Span(name, start, end, OUTCOMES[outcome], began))
         return tuple(found)
 
     @property

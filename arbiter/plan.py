@@ -53,7 +53,8 @@ GO_ON, OTHER_WAY, NO_WAY = range(3)  # where the walk goes from one that is over
 LOG = np.dtype(
     [
         # Times are of the task, which stands still in a pause; the lags are what it stood still.
-        ("start", np.float64),  # [s]
+        ("start", np.float64),  # [s] of its latest round
+        ("began", np.float64),  # [s] its first round, pauses included
         ("end", np.float64),  # [s] when it was over; its goal is held on
         ("start_lag", np.float64),  # [s]
         ("end_lag", np.float64),  # [s]

@@ -133,6 +133,8 @@ def begin_subtask(c: Course, k: int, x: Row, table: FieldTable, live: int) -> in
     slot.released = False
     c.log[k].outcome = RUNNING
     c.log[k].start_lag = c.course.lag
+    if c.log[k].rounds == 0:
+        c.log[k].began = c.log[k].start + c.course.lag
     c.log[k].on += 1
     c.log[k].fresh = True
     begin_field(table, c.backgrounds + k, x, c.memory[c.backgrounds + live])

@@ -39,9 +39,15 @@ class Span:
     """What became of one sub-task; times are NaN if it did not come to it."""
 
     name: str
-    start: float  # [s]
+    start: float  # [s] of its last round, if it is repeated
     end: float  # [s] when it was over; its goal may have been held long after
-    outcome: str  # pending, running, done, timed out
+    outcome: str  # pending, running, done, timed out, ended, skipped
+    began: float = np.nan  # [s] its first round; NaN if it has only one
+
+    @property
+    def first(self) -> float:
+        """When it first began [s]."""
+        return self.began if np.isfinite(self.began) else self.start
 
 
 @dataclass(frozen=True)
@@ -85,6 +91,7 @@ class Recording:
         arrays["names"] = np.array(self.names)
         arrays["span_name"] = np.array([s.name for s in self.spans])
         arrays["span_start"] = np.array([s.start for s in self.spans])
+        arrays["span_began"] = np.array([s.first for s in self.spans])
         arrays["span_end"] = np.array([s.end for s in self.spans])
         arrays["span_outcome"] = np.array([s.outcome for s in self.spans])
         arrays["model_xml"] = np.array(self.model_xml)
@@ -125,14 +132,16 @@ class Recording:
     @classmethod
     def _from_npz(cls, path: Path) -> "Recording":
         with path.open("rb") as file, np.load(file, allow_pickle=False) as f:
-            spans = zip(
-                f["span_name"], f["span_start"], f["span_end"], f["span_outcome"], strict=True
-            )
+            began = "span_began" if "span_began" in f else "span_start"
+            columns = ("span_name", "span_start", "span_end", "span_outcome", began)
+            spans = zip(*(f[column] for column in columns), strict=True)
             about = json.loads(str(f["about"]))
             return cls(
                 **{key: f[key] for key in UNITS},
                 names=tuple(str(n) for n in f["names"]),
-                spans=tuple(Span(str(n), float(a), float(b), str(o)) for n, a, b, o in spans),
+                spans=tuple(
+                    Span(str(n), float(a), float(b), str(o), float(c)) for n, a, b, o, c in spans
+                ),
                 model_xml=str(f["model_xml"]),
                 about=about,
                 complete=bool(about.get("complete", True)),

@@ -98,7 +98,7 @@ def filmstrip(recording: Recording, job: dict[str, Any]) -> None:
             picture = camera.shoot(row, job["palms"], since)
         x, y = index % columns * width, index // columns * (height + CAPTION)
         strip.paste(Image.fromarray(picture), (x, y))
-        lines = textwrap.wrap(caption, width=max(12, width // 8))[:2]
+        lines = textwrap.wrap(caption, max(12, width // 8), max_lines=2, placeholder=" …")
         pen.multiline_text((x + 8, y + height + 4), "\n".join(lines), fill="#222222", font=font)
     strip.save(job["path"], optimize=True)
 

@@ -2,11 +2,13 @@
 
 from specs.available import available_primitives, primitives_in
 from specs.binding import BoundTask, bind_task
+from specs.claims import claims_of
 from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
 from specs.doubting import doubts
 from specs.errors import Position, SpecError
-from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
+from specs.graph import TaskGraph, build_graph
+from specs.graph_writing import to_dot, to_graphml, to_json, to_mermaid
 from specs.groups import Group
 from specs.loading import library, load_task, task_from_text
 from specs.reading import Document
@@ -29,6 +31,7 @@ __all__ = [
     "available_primitives",
     "bind_task",
     "build_graph",
+    "claims_of",
     "doubts",
     "library",
     "load_task",
@@ -37,6 +40,7 @@ __all__ = [
     "task_from_text",
     "task_to_yaml",
     "to_dot",
+    "to_graphml",
     "to_json",
     "to_mermaid",
     "with_controller",

@@ -1,6 +1,5 @@
 """The task graph: which sub-task comes after which, and when each is planned."""
 
-import json
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -52,6 +51,18 @@ class TaskGraph:
         if self.graph.edges[name, to]["kind"] == AFTER:
             return end
         return start if subtask.if_ else max(end, start + (subtask.timeout or 0.0))
+
+    @cached_property
+    def edges(self) -> tuple[tuple[str, str, str], ...]:
+        """From, to and meaning: `after`, `any`, `first`, `otherwise` or `while`."""
+        place = {name: i for i, name in enumerate(self.order)}
+        ordered = sorted(self.graph.edges, key=lambda e: (place[e[0]], place[e[1]]))
+        return tuple((one, then, self._kind(one, then)) for one, then in ordered)
+
+    def _kind(self, one: str, then: str) -> str:
+        kind: str = self.graph.edges[one, then]["kind"]
+        policy = self.subtasks[then].policy
+        return policy if kind == AFTER and policy != "all" else kind
 
     @property
     def duration(self) -> float:
@@ -131,78 +142,3 @@ def _join(
         said = f"{then!r} begins because of {giver!r} already"
         raise document.error(said, place)
     graph.add_edge(one, then, kind=kind)
-
-
-def to_mermaid(task: TaskGraph) -> str:
-    """The graph as a Mermaid flowchart."""
-    ids = {name: f"s{i}" for i, name in enumerate(task.order)}
-    lines = ["flowchart TD"]
-    lines += [f'    {ids[name]}["{_label(task, name, "<br>")}"]' for name in task.order]
-    for a, b in _edges(task):
-        kind = _kind(task, a, b)
-        arrow = {AFTER: "-->", OTHERWISE: "-. otherwise .->", WHILE: "-. while .->"}
-        lines.append(f"    {ids[a]} {arrow.get(kind, f'-->|{kind}|')} {ids[b]}")
-    return "\n".join(lines) + "\n"
-
-
-def to_dot(task: TaskGraph) -> str:
-    """The graph in Graphviz' DOT language."""
-    ids = {name: f"s{i}" for i, name in enumerate(task.order)}
-    lines = [f"digraph {json.dumps(task.spec.task)} {{", "    node [shape=box];"]
-    for name in task.order:
-        label = json.dumps(_label(task, name, "\n"), ensure_ascii=False)
-        lines.append(f"    {ids[name]} [label={label}];")
-    for a, b in _edges(task):
-        kind = _kind(task, a, b)
-        dashed = " style=dashed" if kind in (OTHERWISE, WHILE) else ""
-        more = "" if kind == AFTER else f' [label="{kind}"{dashed}]'
-        lines.append(f"    {ids[a]} -> {ids[b]}{more};")
-    return "\n".join([*lines, "}"]) + "\n"
-
-
-def to_json(task: TaskGraph) -> str:
-    """The graph as JSON: nodes with their primitive, planned times and words; edges."""
-    nodes: list[dict[str, object]] = []
-    for name in task.order:
-        does, (start, end) = task.subtasks[name].does, task.planned[name]
-        nodes.append(
-            {
-                "name": name,
-                "words": task.subtasks[name].words,
-                "primitive": does.kind,
-                "controller": getattr(does, "controller", None),
-                "limb": getattr(does, "limb", None),
-                "start": round(start, 6),
-                "end": round(end, 6),
-            }
-        )
-        if circumstances := task.subtasks[name].circumstances:
-            nodes[-1]["circumstances"] = circumstances
-    edges = []
-    for a, b in _edges(task):
-        kind = _kind(task, a, b)
-        edges.append({"from": a, "to": b} | ({} if kind == AFTER else {"kind": kind}))
-    whole = {"task": task.spec.task, "tempo": task.spec.tempo, "nodes": nodes, "edges": edges}
-    return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
-
-
-def _edges(task: TaskGraph) -> list[tuple[str, str]]:
-    place = {name: i for i, name in enumerate(task.order)}
-    return sorted(task.graph.edges, key=lambda e: (place[e[0]], place[e[1]]))
-
-
-def _kind(task: TaskGraph, one: str, then: str) -> str:
-    """What an edge means: `after`, `any`, `first`, `otherwise` or `while`."""
-    kind: str = task.graph.edges[one, then]["kind"]
-    policy = task.subtasks[then].policy
-    return policy if kind == AFTER and policy != "all" else kind
-
-
-def _label(task: TaskGraph, name: str, newline: str) -> str:
-    subtask = task.subtasks[name]
-    said = subtask.words or name
-    start, end = task.planned[name]
-    label = f"{said}{newline}{subtask.does.kind}, {start:.2f}-{end:.2f} s"
-    if subtask.circumstances:
-        label += newline + subtask.circumstances
-    return label.replace('"', "'")

@@ -13,6 +13,7 @@ from specs.available import available_primitives
 from specs.blame import told
 from specs.conditions import Condition, Join, Repeat
 from specs.errors import SpecError
+from specs.graph_reading import task_of_graph
 from specs.reading import Document, Path_, read_file, read_text
 from specs.task import Background, SubTask, TaskSpec, keys_of
 
@@ -43,7 +44,7 @@ def find_task(name: str) -> Path:
     if name in library():
         return library()[name]
     path = Path(name)
-    if not path.exists() and path.suffix not in (".yaml", ".yml"):
+    if not path.exists() and path.suffix not in (".yaml", ".yml", ".json"):
         raise SpecError(f"no such file, and {unknown('task of the library', name, library())}")
     return path
 
@@ -63,7 +64,7 @@ def load_task(
     Raises:
         SpecError: with file, line and column.
     """
-    document = read_file(find_task(str(task)))
+    document = task_of_graph(read_file(find_task(str(task))))
     return parse_task(document, primitives=primitives), document
 
 
@@ -71,7 +72,7 @@ def task_from_text(
     text: str, file: str = "task", *, primitives: Iterable[type[Primitive]] = ()
 ) -> tuple[TaskSpec, Document]:
     """Read a task from a string; `file` is what errors call it."""
-    document = read_text(text, file)
+    document = task_of_graph(read_text(text, file))
     return parse_task(document, primitives=primitives), document
 
 

@@ -9,8 +9,8 @@ from ruamel.yaml import YAML
 from specs.task import Background, SubTask, TaskSpec, keys_of
 
 
-def task_to_yaml(spec: TaskSpec) -> str:
-    """The task as YAML; what is left to its default is not written."""
+def task_to_data(spec: TaskSpec) -> dict[str, Any]:
+    """The task as plain data; what is left to its default is not written."""
     whole: dict[str, Any] = {
         key: getattr(spec, key)
         for key, field in TaskSpec.model_fields.items()
@@ -21,12 +21,17 @@ def task_to_yaml(spec: TaskSpec) -> str:
     if spec.groups:
         whole["groups"] = [g.model_dump(mode="json", exclude_defaults=True) for g in spec.groups]
     whole["subtasks"] = [_step(s) for s in spec.subtasks]
+    return whole
+
+
+def task_to_yaml(spec: TaskSpec) -> str:
+    """The task as YAML; what is left to its default is not written."""
     yaml: Any = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None
     yaml.sort_base_mapping_type_on_output = False
     yaml.width = 100
     stream = StringIO()
-    yaml.dump(whole, stream)
+    yaml.dump(task_to_data(spec), stream)
     return stream.getvalue()
 
 

@@ -99,7 +99,7 @@ def test_without_opengl_a_run_loses_its_pictures_and_nothing_else(tmp_path: Path
     made = {p.name for p in (tmp_path / "runs" / "wave").iterdir()}
     assert made == {
         "recording.npz", "model.xml", "task.yaml", "report.json", "hand_speed.png", "torque.png",
-        "attribution.png",
+        "timeline.png", "attribution.png",
     }  # fmt: skip
 
 
@@ -429,12 +429,44 @@ def test_run_takes_another_controller(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("style", "said"), [("mermaid", "flowchart TD"), ("dot", "digraph"), ("json", '"edges"')]
+    ("style", "said"),
+    [
+        ("mermaid", "flowchart TD"),
+        ("dot", "digraph"),
+        ("graphml", "<graphml"),
+        ("json", '"edges"'),
+        ("timeline", "░"),
+    ],
 )
-def test_graph_prints_in_three_formats(tmp_path: Path, style: str, said: str) -> None:
+def test_graph_prints_in_every_format(tmp_path: Path, style: str, said: str) -> None:
     ended = adonis("graph", "macarena", "--format", style, cwd=tmp_path)
     assert ended.returncode == 0
     assert said in ended.stdout
+    assert "right" in ended.stdout, "what is claimed"
+
+
+def test_a_graph_in_json_is_a_task_file(tmp_path: Path) -> None:
+    (tmp_path / "wave.json").write_text(
+        adonis("graph", "wave", "--format", "json", cwd=tmp_path).stdout
+    )
+    ended = adonis("check", "wave.json", cwd=tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    assert "3 sub-tasks, 5.40 s" in ended.stdout
+
+
+def test_a_run_has_a_timeline(finished, tmp_path: Path) -> None:
+    _, folder = finished
+    assert (folder / "timeline.png").read_bytes().startswith(b"\x89PNG")
+    ended = adonis("graph", str(folder), "--format", "timeline", cwd=tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.count("done") == 12
+    assert "from right-to-shoulder" in ended.stdout
+    refused = adonis("graph", str(folder), "--tempo", "90", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "a run has had its own" in refused.stderr
+    refused = adonis("graph", str(tmp_path), cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "there is no recording" in refused.stderr
 
 
 def test_list_shows_tasks_bodies_and_primitives(tmp_path: Path) -> None:

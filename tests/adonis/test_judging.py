@@ -209,3 +209,29 @@ def test_a_place_that_is_no_landmark_is_judged_too(body: Body) -> None:
     assert good.success
     other = with_does(spec, "a", to=Place(near="chest.front", away=0.35))
     assert "a" in failed(danced(spec, body, other))
+
+
+def test_a_goal_is_judged_until_the_first_round_of_what_takes_its_arm(body: Body) -> None:
+    """Later rounds begin elsewhere; the hand-over to the first is judged as well."""
+    text = """task: t
+tempo: 60
+background:
+  - {name: still, primitive: get-posture, joints: [all], posture: rest}
+  - {name: guard, primitive: avoid-collisions}
+  - {name: weight, primitive: compensate-gravity}
+subtasks:
+  - {name: reach, primitive: go-to-point, limb: right_arm, to: {point: [0.42, -0.1, 0.3]}}
+  - {name: again, primitive: go-to-point, limb: right_arm, to: {point: [0.4, -0.2, 0.1]},
+     repeat: 2}
+"""
+    spec, document = task_from_text(text)
+    (recording,) = run_task(bind_task(spec, body, document))
+    reach, again = recording.spans
+    assert (again.began, again.start) == pytest.approx((1.0, 2.0))
+    assert reach.first == reach.start
+    judgement = judge(recording, spec)
+    assert judgement.success, [v.as_dict() for v in judgement.verdicts]
+    torque = recording.torque.copy()
+    torque[recording.row(1.05), 6] += 20.0
+    jumped = judge(replace(recording, torque=torque), spec)
+    assert "hand-over torque step" in failed(jumped)

@@ -65,7 +65,7 @@ def test_the_graph_shows_conditions() -> None:
     assert f'{ids["a"]} -> {ids["c"]} [label="otherwise" style=dashed];' in dot
     assert {"from": "b", "to": "d", "kind": "first"} in whole["edges"]
     assert {"from": "a", "to": "b"} in whole["edges"]
-    said = {node["name"]: node.get("circumstances") for node in whole["nodes"]}
+    said = {name: planned.get("circumstances") for name, planned in whole["planned"].items()}
     assert said == {
         "a": "until event go",
         "b": "if right_arm within 0.5 m of head.top",

@@ -115,11 +115,11 @@ def test_the_graph_is_drawn_with_words_and_times() -> None:
     whole = json.loads(to_json(graph))
     assert whole["edges"] == [{"from": "a", "to": "b"}]
     assert whole["nodes"][1]["limb"] == "left_arm"
-    assert whole["nodes"][1]["start"] == 1.0
+    assert whole["planned"]["b"] == {"start": 1.0, "end": 2.0}
     mermaid, dot = to_mermaid(graph), to_dot(graph)
     assert mermaid.startswith("flowchart TD\n")
     assert "s0 --> s1" in mermaid
-    assert "say 'hello'" in mermaid
+    assert "say #34;hello#34;" in mermaid
     assert "s0 -> s1;" in dot
     assert dot.count("{") == dot.count("}") == 1
 
