@@ -127,6 +127,11 @@ class Arbiter:
         self._course[rows] = start
         self._events[rows] = -np.inf
 
+    @property
+    def changes(self) -> int:
+        """How many torques the safety filter has changed so far, all simulations together."""
+        return 0 if self._safety is None else self._safety.changed
+
     def torque(self, state: State) -> FloatArray:
         """The torques (n, nv) [N m] that the task asks for now, within the motors' limits.
 
