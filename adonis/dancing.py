@@ -69,7 +69,7 @@ def run_task(
         BodyError: a push names a link that the body lacks.
     """
     body = task.body
-    world = World(body, n, threads=threads, pushes=pushes, inertia=task.needs_inertia)
+    world = World(body, n, threads=threads, pushes=pushes)
     world.reset(task.start if start is None else start)
     arbiter = Arbiter(task, n, threads=threads, contributions=contributions)
     recorder = Recorder(

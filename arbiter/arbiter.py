@@ -79,8 +79,6 @@ class Arbiter:
         kept = (n, channels + self._filtered) if contributions or grouped else (0, 0)
         self._contribution = np.zeros((*kept, body.nv))
         self._activation = np.zeros((*(kept if grouped else (0, 0)), body.nv))
-        self._combination = Combination(task, self.names, n) if grouped else None
-        self._who = np.full(kept, -1, dtype=np.int32)
         self._torque = np.zeros((n, body.nv))
         gives_way = np.array(
             [
@@ -103,6 +101,7 @@ class Arbiter:
             *make_scratch(table, self._shares),
         )
         self._run = Run(parts)
+        self._combination = Combination(task, self.names, parts, self._crew) if grouped else None
         self._bound: tuple[State, tuple[object, ...]] | None = None
         self._safety: SafetyFilter | None = None
         if self._filtered:
@@ -146,7 +145,7 @@ class Arbiter:
         if bad >= 0:
             raise self._not_finite(state, bad)
         if self._combination is not None:
-            self._combine(self._combination, state)
+            self._combination.apply(state)
         if self._safety is not None:
             self._safety.apply(state)
         return self._torque
@@ -220,17 +219,6 @@ class Arbiter:
         """Whether every sub-task is over, (n,)."""
         done: NDArray[np.bool_] = np.all(self._log["outcome"] >= DONE, axis=1)
         return done
-
-    def _combine(self, combination: Combination, state: State) -> None:
-        """Replace the sum by what the groups make of it, within the motors' limits."""
-        self.channels(self._who)
-        asked = self._backgrounds + self.plan.slots  # behind them stands the safety filter
-        combination.apply(
-            state, self._contribution[:, :asked], self._activation, self._who[:, :asked],
-            self._torque,
-        )  # fmt: skip
-        limit = self.task.body.torque_limit
-        np.clip(self._torque, -limit, limit, out=self._torque)
 
     # --- inside ---------------------------------------------------------------------------
 

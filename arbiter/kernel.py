@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arbiter.hand_over import weigh_fields
-from arbiter.rules import sum_torques
+from arbiter.rules import limit_torques, sum_torques
 from arbiter.run import Parts
 from arbiter.walk import Course, queue_up, walk
 from primitives.compiled import Record, Records, compiled, compiled_entry, fingerprint
@@ -104,16 +104,6 @@ def keep(asked: FloatArray, on: int, contribution: FloatArray) -> None:
     for m in range(on):
         for j in range(asked.shape[1]):
             contribution[m, j] = asked[m, j]
-
-
-@compiled
-def limit_torques(dofs: Records, torque: FloatArray) -> bool:
-    """Hold torques within the motors' limits; returns whether all of them are finite."""
-    finite = True
-    for j in range(torque.shape[0]):
-        finite = finite and np.isfinite(torque[j])
-        torque[j] = min(max(torque[j], -dofs[j].limit), dofs[j].limit)
-    return finite
 
 
 @compiled

@@ -58,11 +58,6 @@ class BoundTask:
         return frozenset(member for group in self.spec.groups for member in group.members)
 
     @property
-    def needs_inertia(self) -> bool:
-        """Whether a group has strict priorities, for which a state needs its inertia."""
-        return any(group.rule == "null-space" for group in self.spec.groups)
-
-    @property
     def may_wait(self) -> bool:
         """Whether it depends on what happens how long the task takes."""
         return any(s.depends for s in self.spec.subtasks)
