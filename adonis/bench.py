@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from adonis.bench_composition import composition
 from adonis.dancing import about, versions
 from arbiter import Arbiter
 from primitives import AvoidCollisions, CompensateGravity, GetPosture, GoToPoint, Primitive
@@ -52,6 +53,7 @@ def measure(*, quick: bool = False, tell: Callable[[str], None] = print) -> Any:
     figures["primitives"] = _primitives(body)
     tell("the dance by each controller")
     figures["controllers"] = _controllers(body, quick)
+    figures["composition"] = composition(body, tell, against_physics)
     tell("a graph of 10 000 sub-tasks")
     figures["graph"] = _graphs(body, 1000 if quick else 4000)
     tell("start-up")

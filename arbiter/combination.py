@@ -28,6 +28,7 @@ from primitives.compiled_field import CompiledField
 from primitives.goal_field import most_rows
 from sim import State, inertias
 from specs import BoundTask
+from specs.blame import told
 from specs.groups import leaves
 
 FloatArray = NDArray[np.float64]
@@ -87,7 +88,7 @@ class Combination:
             np.zeros((shares, body.model.nbody, 10)),
             np.zeros((shares, int(groups["members"].max()), body.nv)),
             np.zeros((shares, most_rows(body.nv), body.nv)),
-            *(np.zeros((shares, most, body.nv)) for _ in range(2)),
+            *(np.zeros((shares, most, body.nv)), np.zeros((shares, most, body.nv))),
             np.zeros((shares, most)),
         )
         self._mix = Mix(self._mixing)
@@ -102,7 +103,7 @@ class Combination:
         """Combine what was asked for, in place; the torque is kept within the motors' limits.
 
         Raises:
-            ArbiterError: the Jacobian of a field in plain Python is none.
+            ArbiterError: a field in plain Python fails to say its Jacobian.
         """
         for number, row, field in self._plain:
             self._ask(state, number, row, field)
@@ -121,7 +122,11 @@ class Combination:
         """The Jacobian of a field in plain Python."""
         given: Records = self._mixing.given
         n, _, most, nv = given.shape
-        made = np.asarray(field.jacobian(state))
+        try:
+            made = np.asarray(field.jacobian(state), dtype=np.float64)
+        except (Exception, SystemExit) as problem:  # whatever the user's own code raises
+            who = self._names[number]
+            raise ArbiterError(f"the jacobian of {who!r} raised {told(problem)}") from problem
         if made.ndim != 3 or made.shape[::2] != (n, nv) or not made.shape[1] <= most:
             raise ArbiterError(
                 f"the jacobian of {self._names[number]!r} is of shape {made.shape}; expected"

@@ -168,8 +168,8 @@ def _make(code: str) -> Callable[..., None]:
         parts = Mixing(
             r.links, r.dofs, r.lumps, r.joints, r.fields, r.claims, r.reaches, r.groups, r.gains,
             r.belongs, r.counts, r.fade, r.backgrounds, r.slots, r.live, r.contribution,
-            r.activation, r.torque, r.dominance, r.clock, r.given, r.given_rows, r.shares, r.mass, r.whole,
-            r.worth, r.rows, r.held, r.answers, r.firmness,
+            r.activation, r.torque, r.dominance, r.clock, r.given, r.given_rows, r.shares,
+            r.mass, r.whole, r.worth, r.rows, r.held, r.answers, r.firmness,
         )  # fmt: skip
         combine_share(share, time, qpos, qvel, xpos, xmat, cdof, cvel, com, parts)
 
