@@ -168,10 +168,10 @@ class _Measuring:
         """A place that is not a landmark, seen from the link that carries it."""
         if place.near is not None:
             mark = self.replay.site(place.near)
-            carrier = self.replay.link(self.replay.link_of_site(place.near))
+            carrier = self.aims.turned(self.replay.link_of_site(place.near))
             point = mark.position + place.away * mark.axes[:, :, 0]
         else:
-            carrier = self.replay.link(self.replay.parent(limb.upper_arm))
+            carrier = self.aims.turned(self.replay.parent(limb.upper_arm))
             point = carrier.position + carrier.axes @ np.array(place.point)
         shifted: FloatArray = point + carrier.axes @ np.array(place.offset)
         return shifted
@@ -248,7 +248,7 @@ class _Measuring:
 
     def _from_carrier(self, limb: Limb, directions: FloatArray) -> FloatArray:
         """Directions (T, 3) of the world, seen from the link that carries the limb."""
-        carrier = self.replay.link(self.replay.parent(limb.upper_arm))
+        carrier = self.aims.turned(self.replay.parent(limb.upper_arm))
         seen: FloatArray = np.einsum("tij,ti->tj", carrier.axes, directions)
         return seen
 
