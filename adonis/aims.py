@@ -1,4 +1,4 @@
-"""What the judge measures of look-at, point-at, follow, hold and relax, row by row.
+"""What the judge measures of oscillate, look-at, point-at, follow, hold and relax, row by row.
 
 Like `judging`, this sees the recording and the words of the task, and nothing of the controllers: a
 trajectory is put together anew with SciPy's spline.
@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from primitives import Follow, LookAt, PointAt, Target, Trajectory
-from sim import BodyMap, Poses, Replay
+from primitives import Follow, LookAt, Oscillate, PointAt, Target, Trajectory
+from sim import DIRECTIONS, BodyMap, Poses, Replay
 
 FloatArray = NDArray[np.float64]
 
@@ -61,6 +61,22 @@ class Aims:
         palm = self.replay.site(limb.palm).position
         distance: FloatArray = np.linalg.norm(palm - goal, axis=1)
         return distance
+
+    def swung(self, does: Oscillate) -> dict[str, FloatArray]:
+        """How far each joint [deg], or the palm along each direction [m], was from the centre.
+
+        Joints, and a palm whose centre is not said, from somewhere.
+        """
+        if does.limb is None:
+            return {joint: np.rad2deg(self.replay.angle(joint)) for joint in does.swings}
+        limb = self.names.limbs[does.limb]
+        trunk = self.replay.parent(limb.upper_arm)
+        carrier, palm = self.turned(trunk), self.replay.site(limb.palm).position
+        centre = carrier.position if does.at is None else self._goal(does.at, trunk)
+        return {
+            word: np.einsum("ti,tij,j->t", palm - centre, carrier.axes, DIRECTIONS[word])
+            for word in does.swings
+        }
 
     def turned(self, link: str) -> Poses:
         """Poses of a link, its axes being forward, left and up in the home posture."""

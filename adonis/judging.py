@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adonis.aims import Aims
-from adonis.judging_rhythm import asked_rhythms, off_rhythm, off_swing
+from adonis.judging_rhythm import asked_rhythms, off_centre, off_rhythm, off_swing
 from adonis.verdicts import HEAD, Judgement, Measure, Verdict, claimed, moved_by, swinging
 from primitives import (
     Follow,
@@ -39,6 +39,7 @@ PALM_ANGLE = 15.0  # palm of a posture [deg]
 RHYTHM_FREQUENCY = 3.0  # of a joint that swings [% of what was asked]
 RHYTHM_AMPLITUDE = 20.0  # in any cycle [% of what was asked]
 RHYTHM_LAG = 20.0  # of a joint behind the first [deg]
+RHYTHM_CENTRE = 0.03  # of a hand's swing, on average, from where it should be [m]
 GAZE = 5.0  # between where the face points and the goal [deg]
 POINTING = 5.0  # between the arm and the goal, seen from the shoulder [deg]
 DRIFT = 5.0  # of any joint that is to stay where it was [deg]
@@ -105,7 +106,7 @@ class _Measuring:
         if isinstance(does, GetPosture):
             return self._posture(does, end, held)
         if isinstance(does, Oscillate):
-            return self._rhythm(does, span.start, span.end, task, does.joints)
+            return self._rhythm(does, span.start, span.end, task, does.swings)
         return self._aim(does, span, end, held, task.duration(subtask))
 
     def _aim(
@@ -218,32 +219,32 @@ class _Measuring:
         return Measure("joint angles", off[worst], ANGLE, "deg", worst)
 
     def _rhythm(
-        self, does: Oscillate, start: float, end: float, task: TaskSpec, joints: Iterable[str]
+        self, does: Oscillate, start: float, end: float, task: TaskSpec, names: Iterable[str]
     ) -> list[Measure]:
-        """Its swinging joints. One that listens to the limb swings as the limb would."""
-        if does.feedback:
+        """What swings of it. What listens to the limb swings as the limb would."""
+        own = set(names)
+        if does.feedback or not own:
             return []
-        angles = {joint: self.replay.angle(joint) for joint in does.joints}
-        measures = []
+        swung, time = self.aims.swung(does), self.recording.time
+        measures: list[Measure] = []
+
+        def worst(what: str, off: dict[str, float], limit: float, unit: str) -> None:
+            found = {name: value for name, value in off.items() if name in own}
+            if found:
+                at = max(found, key=found.__getitem__)
+                measures.append(Measure(what, found[at], limit, unit, at))
+
         for rhythm in asked_rhythms(does, task.tempo, start, end):
-            found = off_rhythm(does, rhythm, self.recording.time, angles)
-            for what, off, limit, unit in zip(
-                ("frequency", "amplitude", "lag"),
-                found,
-                (RHYTHM_FREQUENCY, RHYTHM_AMPLITUDE, RHYTHM_LAG),
-                ("%", "%", "deg"),
-                strict=True,
-            ):
-                own = {joint: off[joint] for joint in joints if joint in off}
-                if own:
-                    worst = max(own, key=own.__getitem__)
-                    measures.append(Measure(f"{what} off", own[worst], limit, unit, worst))
+            frequencies, amplitudes, lags = off_rhythm(does, rhythm, time, swung)
+            worst("frequency off", frequencies, RHYTHM_FREQUENCY, "%")
+            worst("amplitude off", amplitudes, RHYTHM_AMPLITUDE, "%")
+            worst("lag off", lags, RHYTHM_LAG, "deg")
+            if does.at is not None:
+                off = off_centre(rhythm, time, swung)
+                worst("centre off", off, RHYTHM_CENTRE, "m")
         if not measures:
-            off = off_swing(does, self.recording.time, angles, start, end)
-            own = {joint: off[joint] for joint in joints}
-            worst = max(own, key=own.__getitem__, default="")
-            if worst:
-                measures = [Measure("swing off", own[worst], RHYTHM_AMPLITUDE, "%", worst)]
+            off = off_swing(does, time, swung, start, end)
+            worst("swing off", off, RHYTHM_AMPLITUDE, "%")
         return measures
 
     def _from_carrier(self, limb: Limb, directions: FloatArray) -> FloatArray:
@@ -288,7 +289,8 @@ class _Measuring:
             self._hand_over(task, spans, limits),
         ]
         taken = {j for s in task.subtasks for j in self._joints(claimed(s))}
-        moved = taken | {j for s in (*task.background, *task.subtasks) for j in swinging(s.does)}
+        steps = (*task.background, *task.subtasks)
+        moved = taken | {j for s in steps for j in self._joints(swinging(s.does))}
         for beside in task.background:
             if isinstance(beside.does, LookAt | Relax):
                 moved |= self._joints(moved_by(beside.does))
@@ -304,9 +306,10 @@ class _Measuring:
             checks.append(Measure("upright", off[worst], UPRIGHT, "deg", worst))
         for beside in task.background:
             if isinstance(beside.does, Oscillate):
-                free = [j for j in beside.does.joints if j not in taken]
+                swings = beside.does
+                free = [j for j in swings.swings if not self._joints(swings.limb or j) & taken]
                 whole = float(recording.time[0]), float(recording.time[-1])
-                seen = self._rhythm(beside.does, *whole, task, free)
+                seen = self._rhythm(swings, *whole, task, free)
                 checks += [replace(m, what=f"{beside.name}: {m.what}") for m in seen]
         return checks
 

@@ -339,7 +339,7 @@ def test_beats_become_hertz_at_the_tempo_of_the_task(pair: Body) -> None:
         ({"frequency": 1, "joints": {"one": {}}}, "Field required"),
         ({"frequency": 1, "oscillator": "sine", "feedback": 1}, "hopf and matsuoka"),
         ({"frequency": 1, "oscillator": "hopf", "coupling": 1}, "less than 1"),
-        ({"frequency": 1, "claims": False, "centre": "rest"}, "leave it out"),
+        ({"frequency": 1, "claims": False, "centre": "rest"}, "leave 'centre' out"),
         ({"frequency": 1, "then": [{"cycle": 2}]}, "either frequency or beats_per_cycle"),
         (
             {"frequency": 1, "then": [{"cycle": c, "frequency": 1} for c in (2, 1)]},
