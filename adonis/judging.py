@@ -66,10 +66,11 @@ def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
     verdicts = []
     for subtask in task.subtasks:
         span = spans.get(subtask.name, Span(subtask.name, np.nan, np.nan, "pending"))
-        measures: tuple[Measure, ...] = ()
-        if _had_a_goal(subtask, span):
-            measures = tuple(measuring.subtask(subtask, span, task, spans))
-        verdicts.append(Verdict(subtask, span, measures))
+        rounds = [each for each in (*recording.rounds, span) if each.name == subtask.name]
+        measured = [
+            measuring.subtask(subtask, each, task) for each in rounds if _had_a_goal(subtask, each)
+        ]
+        verdicts.append(Verdict(subtask, span, _worst_of(measured)))
     return Judgement(tuple(verdicts), tuple(measuring.checks(task, spans)), recording.complete)
 
 
@@ -95,11 +96,9 @@ class _Measuring:
 
     # --- sub-tasks -------------------------------------------------------------------------
 
-    def subtask(
-        self, subtask: SubTask, span: Span, task: TaskSpec, spans: dict[str, Span]
-    ) -> list[Measure]:
+    def subtask(self, subtask: SubTask, span: Span, task: TaskSpec) -> list[Measure]:
         end = self.recording.row(span.end)
-        held = max(self.recording.row(self._claimed_again(subtask, task, spans)), end)
+        held = max(self.recording.row(self._claimed_again(subtask, span, task)), end)
         does = subtask.does
         if isinstance(does, GoToPoint):
             return self._reach(does, end, held)
@@ -318,9 +317,10 @@ class _Measuring:
         recording = self.recording
         steps = torque_steps(recording, limits)
         worst = Measure("hand-over torque step", 0.0, HAND_OVER_STEP, "of the limit in 2 ms")
-        for subtask in task.subtasks:
-            span = spans.get(subtask.name)
-            if span is None or not np.isfinite(span.start):
+        known = {subtask.name: subtask for subtask in task.subtasks}
+        for span in (*recording.rounds, *spans.values()):
+            subtask = known.get(span.name)
+            if subtask is None or not np.isfinite(span.start):
                 continue
             dofs = [self.replay.dof(j) for j in self._joints(claimed(subtask))]
             window = steps[hand_over_rows(recording, span, task.fade(subtask)), dofs]
@@ -359,15 +359,32 @@ class _Measuring:
             return False
         return True
 
-    def _claimed_again(self, subtask: SubTask, task: TaskSpec, spans: dict[str, Span]) -> float:
-        """When the next sub-task that claims a joint of this one began, or infinity [s]."""
-        own, start = self._joints(claimed(subtask)), spans[subtask.name].start
+    def _claimed_again(self, subtask: SubTask, span: Span, task: TaskSpec) -> float:
+        """When the next sub-task that claims a joint of this one began, or infinity [s].
+
+        It may be the same in its next round.
+        """
+        own = self._joints(claimed(subtask))
+        rivals = {s.name for s in task.subtasks if own & self._joints(claimed(s))}
         later = [
-            spans[s.name].start
-            for s in task.subtasks
-            if s.name in spans and spans[s.name].start > start and own & self._joints(claimed(s))
+            s.start
+            for s in (*self.recording.rounds, *self.recording.spans)
+            if s.name in rivals and s.start > span.start
         ]
         return min(later, default=np.inf)
+
+
+def _worst_of(rounds: Sequence[Sequence[Measure]]) -> tuple[Measure, ...]:
+    """Of each measure the worst round, which is then named beside where it was."""
+    found: dict[str, Measure] = {}
+    for number, measures in enumerate(rounds, start=1):
+        for measure in measures:
+            which = f"round {number}" if len(rounds) > 1 else ""
+            where = ", ".join(part for part in (measure.where, which) if part)
+            known = found.get(measure.what)
+            if known is None or not measure.value <= known.value:
+                found[measure.what] = replace(measure, where=where)
+    return tuple(found.values())
 
 
 def _had_a_goal(subtask: SubTask, span: Span) -> bool:

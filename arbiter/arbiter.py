@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from arbiter.combination import Combination
 from arbiter.errors import ArbiterError
 from arbiter.kernel import ACT, WALK, control
-from arbiter.plan import COURSE, DONE, LOG, OUTCOMES, PENDING, SKIPPED, SLOT, Plan, make_plan
+from arbiter.plan import COURSE, DONE, LOG, OUTCOMES, PENDING, ROUND, SKIPPED, SLOT, Plan, make_plan
 from arbiter.run import Parts, Run
 from arbiter.safety import SafetyFilter
 from primitives import Field
@@ -71,6 +71,7 @@ class Arbiter:
         self._live = np.full(n, -1, dtype=np.int32)
         self._slots = np.zeros((n, slots), dtype=SLOT)
         self._log = np.zeros((n, len(task.fields)), dtype=LOG)
+        self._rounds = np.zeros((n, self.plan.rounds), dtype=ROUND)
         self._memory = np.zeros((n, channels + 1, memory_size(table)))
         self._plain_torque = np.zeros((n, len(self._plain), body.nv))
         self._plain_error = np.zeros((n, len(self._plain)))
@@ -92,7 +93,7 @@ class Arbiter:
             *(link_table(body), dof_table(body), *table),
             *(gives_way, self.plan.nodes, self.plan.others, self.plan.roots),
             *(self.plan.conditions, np.array([task.spec.hand_over]), self._course, self._events),
-            *(self._live, self._slots, self._log, self._memory, touches),
+            *(self._live, self._slots, self._log, self._rounds, self._memory, touches),
             *(self._plain_torque, self._plain_error, self._contribution, self._activation),
             self._torque,
             np.linspace(0, n, self._shares + 1).astype(np.int64),
@@ -213,6 +214,19 @@ class Arbiter:
                 end = float(row["end"] + row["end_lag"])
             found.append(Span(name, start, end, OUTCOMES[outcome]))
         return tuple(found)
+
+    def rounds(self, simulation: int = 0) -> tuple[Span, ...]:
+        """What sub-tasks did in the rounds before the latest; of very many, the last of them."""
+        kept = int(self._course[simulation]["rounds"])
+        rows = self._rounds[simulation]
+        order = np.arange(max(kept - len(rows), 0), kept) % max(len(rows), 1)
+        names = self.task.graph.order
+        return tuple(
+            Span(
+                names[row["node"]], float(row["start"]), float(row["end"]), OUTCOMES[row["outcome"]]
+            )
+            for row in rows[order]
+        )
 
     @property
     def over(self) -> NDArray[np.bool_]:

@@ -119,7 +119,7 @@ def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) ->
     if what & WALK:
         c = Course(
             p.nodes, p.others, p.conditions, backgrounds, slots, log, memory,
-            p.plain_error[i], p.events[i], course,
+            p.plain_error[i], p.events[i], course, p.rounds[i],
         )  # fmt: skip
         keep_time(time, p.ease[0], course)
         if live < 0:
@@ -184,9 +184,9 @@ def _make(code: str) -> Callable[..., int]:
         parts = Parts(
             r.links, r.dofs, r.fields, r.claims, r.numbers, r.reaches, r.points, r.guards,
             r.guarded, r.pairs, r.capsules, r.gives_way, r.nodes, r.others, r.roots,
-            r.conditions, r.ease, r.course, r.events, r.live, r.slots, r.log, r.memory,
-            r.touches, r.plain, r.plain_error, r.contribution, r.activation, r.torque,
-            r.shares, r.weight, r.asked, r.knot_weight, r.knot_rate, r.angles, r.balls,
+            r.conditions, r.ease, r.course, r.events, r.live, r.slots, r.log, r.rounds, r.memory,
+            r.touches, r.plain, r.plain_error, r.contribution, r.activation, r.torque, r.shares,
+            r.weight, r.asked, r.knot_weight, r.knot_rate, r.angles, r.balls,
             r.wrenches, r.placed,
         )  # fmt: skip
         return control_share(what, share, time, qpos, qvel, xpos, xmat, cdof, cvel, com, parts)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -281,10 +282,18 @@ def _check_claims(
             for a in members(masks.get(dof, 0) & ~known.over):
                 if a in branches and branches[a].excludes(known):
                     continue
+                other, joint = graph.order[a], body.dof_name(dof)
+                if graph.subtasks[name].policy == "any" and nx.has_path(graph.graph, other, name):
+                    raise document.error(
+                        f"{name!r} begins when any of those before it is over, and {other!r} may"
+                        f" still run then, but both claim {joint}: 'after: {{first: …}}' ends the"
+                        " others",
+                        (*places[name], "after"),
+                    )
                 neither = "they may run at once" if uncertain else "neither comes after the other"
                 raise document.error(
-                    f"{name!r} and {graph.order[a]!r} both claim {body.dof_name(dof)}, and"
-                    f" {neither}: name one in the other's 'after'",
+                    f"{name!r} and {other!r} both claim {joint}, and {neither}: name one in the"
+                    " other's 'after'",
                     places[name],
                 )
             masks[dof] = masks.get(dof, 0) | 1 << b

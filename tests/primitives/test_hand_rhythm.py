@@ -19,7 +19,8 @@ background:
   - {{name: upright, primitive: get-posture, joints: [waist, neck], posture: upright}}
   - {{name: weight, primitive: compensate-gravity}}
 subtasks:
-  - {{name: out, primitive: go-to-point, limb: right_arm, to: {{point: [0.4, -0.2, 0.3]}}, beats: 2}}
+  - {{name: out, primitive: go-to-point, limb: right_arm, beats: 2,
+     to: {{point: [0.4, -0.2, 0.3]}}}}
   - name: conduct
     primitive: oscillate
     limb: right_arm
@@ -75,7 +76,7 @@ def test_a_hand_swings_about_a_place_as_joints_do(body: Body, oscillator: str) -
 )
 def test_the_judge_sees_what_another_would_have_been(body: Body, asked: str, off: str) -> None:
     spec, recording = conducted(body)
-    key = asked.split(":")[0]
+    key = asked.partition(":")[0]
     lines = [line for line in TASK.splitlines() if not line.strip().startswith(f"{key}:")]
     other, _ = task_from_text("\n".join(lines).format(more=asked))
     wrong = {m.what for m in judge(recording, other).verdicts[1].measures if not m.success}
@@ -121,8 +122,8 @@ background:
   - {name: guard, primitive: avoid-collisions}
   - {name: weight, primitive: compensate-gravity}
 subtasks:
-  - {name: rub, primitive: oscillate, limb: left_arm, at: belly.front, frequency: 1, beats: 5, ease: 1,
-     along: {up: {amplitude: 0.04}, left: {amplitude: 0.04, lag: 90}}}
+  - {name: rub, primitive: oscillate, limb: left_arm, at: belly.front, frequency: 1, beats: 5,
+     ease: 1, along: {up: {amplitude: 0.04}, left: {amplitude: 0.04, lag: 90}}}
 """
     spec, document = task_from_text(text)
     (recording,) = run_task(bind_task(spec, body, document))
@@ -163,8 +164,8 @@ def test_parameters_that_mean_nothing_are_refused(wrong: dict, said: str) -> Non
 
 
 def test_what_does_not_fit_the_body_is_refused(body: Body) -> None:
-    with pytest.raises(PrimitiveError, match="oscillate cannot be aimed at 'right_elbow.inside'"):
+    with pytest.raises(PrimitiveError, match=r"oscillate cannot be aimed at 'right_elbow.inside'"):
         Oscillate(**ONE, at="right_elbow.inside").bind(body, 4.0)
     spec, document = task_from_text(TASK.format(more="").replace("left: {", "sideways: {"))
-    with pytest.raises(SpecError, match=r"13:36: conduct: unknown direction 'sideways'"):
+    with pytest.raises(SpecError, match=r"14:36: conduct: unknown direction 'sideways'"):
         bind_task(spec, body, document)
