@@ -29,6 +29,7 @@ from primitives import (
 from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
 from specs import SubTask, TaskSpec, task_from_text
+from specs.groups import together
 
 FloatArray = NDArray[np.float64]
 
@@ -362,14 +363,17 @@ class _Measuring:
     def _claimed_again(self, subtask: SubTask, span: Span, task: TaskSpec) -> float:
         """When the next sub-task that claims a joint of this one began, or infinity [s].
 
-        It may be the same in its next round.
+        It may be the same in its next round. What a group puts beside it does not count until it
+        is over.
         """
         own = self._joints(claimed(subtask))
         rivals = {s.name for s in task.subtasks if own & self._joints(claimed(s))}
         later = [
             s.start
             for s in (*self.recording.rounds, *self.recording.spans)
-            if s.name in rivals and s.start > span.start
+            if s.name in rivals
+            and s.start > span.start
+            and (s.start >= span.end or not together(subtask.name, s.name, task.groups))
         ]
         return min(later, default=np.inf)
 

@@ -140,7 +140,7 @@ def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) ->
         p.wrenches[share],
         p.placed[share],
     )
-    weigh_fields(now, p.nodes, p.claims, p.gives_way, slots, live, weight)
+    weigh_fields(now, p.nodes, p.others, p.claims, p.gives_way, slots, live, weight)
     ask_fields(
         now, x, table, backgrounds, slots, live, course.pace, memory, weight,
         p.touches[i], p.plain[i], scratch, asked,

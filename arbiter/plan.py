@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from primitives.compiled import Records
 from specs import BoundTask, Condition
 from specs.graph import OTHERWISE, WHILE
+from specs.groups import together
 from specs.ordering import members, order_of
 from specs.repeating import chains
 
@@ -38,6 +39,8 @@ NODE = np.dtype(
         ("again", np.int32),  # what a new round of it begins with
         ("chain", np.int32),  # those that are done over with it, likewise
         ("links", np.int32),
+        ("mate", np.int32),  # those of its groups that may be on at once with it, likewise
+        ("mates", np.int32),
     ],
     align=True,
 )
@@ -78,6 +81,7 @@ SLOT = np.dtype(
     [
         ("start", np.float64),  # [s]
         ("end", np.float64),  # [s] when it was over, or released
+        ("share", np.float64),  # of what is left of its joints
         ("node", np.int32),
         ("over", np.bool_),
         ("covered", np.bool_),
@@ -141,7 +145,7 @@ def make_plan(task: BoundTask) -> Plan:
     ended: dict[int, list[int]] = {}
     if any(s.policy == "first" for s in spec.subtasks):
         ended = {k: members(known.ended) for k, known in enumerate(order_of(graph)) if known.ended}
-    repeated = chains(graph.graph, spec.subtasks)
+    repeated, mates = chains(graph.graph, spec.subtasks), _mates(task)
     for name, k in number.items():
         subtask, field = graph.subtasks[name], task.fields[k]
         ways: dict[str, list[int]] = {}
@@ -166,6 +170,7 @@ def make_plan(task: BoundTask) -> Plan:
             graph.graph.in_degree(name),
             k if subtask.first is None else number[subtask.first],
             *kept(sorted(number[other] for other in repeated.get(name, ()))),
+            *kept(sorted(mates.get(k, ()))),
         )
         waits[k] = graph.graph.in_degree(name)
     return Plan(
@@ -187,6 +192,21 @@ def _conditions(task: BoundTask) -> Records:
             row["hand"], row["palm"] = condition.palm.link, condition.palm.point
             row["link"], row["landmark"] = condition.landmark.link, condition.landmark.point
     return rows
+
+
+def _mates(task: BoundTask) -> dict[int, set[int]]:
+    """Of each sub-task in a group, those beside it there that do not come before or after it."""
+    found: dict[int, set[int]] = {}
+    if not task.spec.groups:
+        return found
+    order = task.graph.order
+    for b, known in enumerate(order_of(task.graph)):
+        for a in range(b if order[b] in task.grouped else 0):
+            free = not known.over >> a & 1 and order[a] in task.grouped
+            if free and together(order[a], order[b], task.spec.groups):
+                found.setdefault(a, set()).add(b)
+                found.setdefault(b, set()).add(a)
+    return found
 
 
 def _rounds(task: BoundTask) -> int:

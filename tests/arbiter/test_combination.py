@@ -389,3 +389,47 @@ def test_energy_never_grows_with_passive_fields_alone(body: Body) -> None:
     growth = np.diff(energy, axis=0) / energy[0]
     assert growth.max() < 1e-3
     assert np.all(energy[-1] < 0.01 * energy[0])
+
+
+# --- sub-tasks side by side -------------------------------------------------------------------
+
+SIDE_BY_SIDE = """
+task: side-by-side
+hand_over: 0.1
+background: [{{name: weight, primitive: compensate-gravity}}]
+groups: [{{name: both, rule: {rule}, members: [up, down, then], weights: {{up: 3}}}}]
+subtasks:
+  - {{name: up, primitive: get-posture, joints: [right_elbow], posture: {{right_elbow: 80}}}}
+  - {{name: down, primitive: get-posture, joints: [right_elbow], posture: {{right_elbow: 20}},
+     after: []}}
+  - {{name: then, primitive: get-posture, joints: [right_elbow], posture: {{right_elbow: 50}},
+     after: {after}, beats: 2}}
+"""
+
+
+def elbow(body: Body, rule: str, after: str) -> tuple[float, float]:
+    """Its angle after one and after three seconds [deg]."""
+    spec, document = task_from_text(SIDE_BY_SIDE.format(rule=rule, after=after))
+    (recording,) = run_task(bind_task(spec, body, document))
+    angle = np.rad2deg(recording.qpos[:, body.qpos_of_dof[body.joints("right_elbow")[0]]])
+    return float(angle[recording.row(1.0)]), float(angle[-1])
+
+
+def test_sub_tasks_of_a_group_act_at_once_unless_one_comes_after_the_other(body: Body) -> None:
+    """Springs alike: the average of where they pull, by weight; then the last alone."""
+    middle, end = elbow(body, "weighted", "[up, down]")
+    assert middle == pytest.approx(0.75 * 80 + 0.25 * 20, abs=2)
+    assert end == pytest.approx(50, abs=1)
+    middle, end = elbow(body, "dominant", "[up, down]")
+    assert middle == pytest.approx(80, abs=2)
+    assert end == pytest.approx(50, abs=1)
+    _, end = elbow(body, "weighted", "[up]")  # `down` is beside it, `up` is not
+    assert end == pytest.approx(0.5 * (20 + 50), abs=2)
+
+
+def test_without_a_group_they_are_refused(body: Body) -> None:
+    text = SIDE_BY_SIDE.format(rule="weighted", after="[up, down]")
+    lines = [line for line in text.splitlines() if not line.startswith("groups")]
+    spec, document = task_from_text("\n".join(lines))
+    with pytest.raises(SpecError, match="both claim right_elbow, and neither comes after"):
+        bind_task(spec, body, document)
