@@ -179,7 +179,7 @@ def make_plan(task: BoundTask) -> Plan:
         roots=np.flatnonzero(waits == 0).astype(np.int32),
         waits=waits,
         conditions=_conditions(task),
-        slots=_slots(task),
+        slots=_slots(task) + len(mates),
         rounds=_rounds(task),
     )
 
