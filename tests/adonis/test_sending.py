@@ -12,7 +12,7 @@ def test_an_event_and_its_time() -> None:
 
 @pytest.mark.parametrize("said", ["go", "go@x", "@1", "go@-1", "go@nan", "go@inf"])
 def test_what_is_no_event_at_a_time_is_refused(said: str) -> None:
-    with pytest.raises(InputError, match="expected EVENT@SECONDS, such as go@1.5, not"):
+    with pytest.raises(InputError, match=r"expected EVENT@SECONDS, such as go@1\.5, not"):
         events_of([said], ["go"])
 
 
