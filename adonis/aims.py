@@ -1,4 +1,4 @@
-"""What the judge measures of look-at, point-at, follow, hold and relax, row by row.
+"""What the judge measures of oscillate, look-at, point-at, follow, hold and relax, row by row.
 
 Like `judging`, this sees the recording and the words of the task, and nothing of the controllers: a
 trajectory is put together anew with SciPy's spline.
@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from primitives import Follow, LookAt, PointAt, Target, Trajectory
-from sim import BodyMap, Replay
+from primitives import Follow, LookAt, Oscillate, PointAt, Target, Trajectory
+from sim import DIRECTIONS, BodyMap, Poses, Replay
 
 FloatArray = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class Aims:
         goal = self._goal(does.at, neck)
         point = does.at.point if isinstance(does.at, Target) else None
         if point is not None and turns != neck:  # it stays behind when the waist turns
-            base = self.replay.link(turns)
+            base = self.turned(turns)
             seen = base.axes[0].T @ (goal[0] - base.position[0])
             goal = base.position + base.axes @ seen
         return _degrees(forward, goal - eyes)
@@ -62,10 +62,35 @@ class Aims:
         distance: FloatArray = np.linalg.norm(palm - goal, axis=1)
         return distance
 
+    def swung(self, does: Oscillate) -> dict[str, FloatArray]:
+        """How far each joint [deg], or the palm along each direction [m], was from the centre.
+
+        Joints, and a palm whose centre is not said, from somewhere.
+        """
+        if does.limb is None:
+            return {joint: np.rad2deg(self.replay.angle(joint)) for joint in does.swings}
+        limb = self.names.limbs[does.limb]
+        trunk = self.replay.parent(limb.upper_arm)
+        carrier, palm = self.turned(trunk), self.replay.site(limb.palm).position
+        centre = carrier.position if does.at is None else self._goal(does.at, trunk)
+        return {
+            word: np.einsum("ti,tij,j->t", palm - centre, carrier.axes, DIRECTIONS[word])
+            for word in does.swings
+        }
+
+    def turned(self, link: str) -> Poses:
+        """Poses of a link, its axes being forward, left and up in the home posture."""
+        home = {
+            joint: angle
+            for name, angle in self.names.postures[self.names.home].items()
+            for joint in self.names.groups.get(name, (name,))
+        }
+        return self.replay.turned(link, home)
+
     def _along(self, trajectory: Trajectory, trunk: str, start: float) -> FloatArray:
         spline = CubicSpline(trajectory.times, trajectory.points, bc_type="clamped")
         t = self.replay.recording.time - start
-        carrier = self.replay.link(trunk)
+        carrier = self.turned(trunk)
         seen = spline(np.clip(t, trajectory.times[0], trajectory.times[-1]))
         where: FloatArray = carrier.position + np.einsum("tij,tj->ti", carrier.axes, seen)
         return where
@@ -74,10 +99,10 @@ class Aims:
         """Where a target was, row by row (T, 3)."""
         target = Target(near=said) if isinstance(said, str) else said
         if target.point is not None:
-            carrier = self.replay.link(trunk)
+            carrier = self.turned(trunk)
             return carrier.position + carrier.axes @ np.add(target.point, target.offset)
         name = self.names.limbs[target.hand].palm if target.hand else target.near or ""
-        mark, carrier = self.replay.site(name), self.replay.link(self.replay.link_of_site(name))
+        mark, carrier = self.replay.site(name), self.turned(self.replay.link_of_site(name))
         out = mark.position + target.away * mark.axes[:, :, 0]
         shifted: FloatArray = out + carrier.axes @ np.array(target.offset)
         return shifted

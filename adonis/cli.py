@@ -101,6 +101,10 @@ def run(
             "--controller", metavar="NAME", help="Let this controller move every sub-task."
         ),
     ] = None,
+    send: Annotated[
+        list[str] | None,
+        typer.Option("--send", metavar="EVENT@SECONDS", help="Send an event; may be repeated."),
+    ] = None,
 ) -> None:
     """Do a task, and say how well it went.
 
@@ -118,8 +122,8 @@ def run(
         task, body, tempo, primitives, limits=limits, contacts=contacts, controller=controller
     )
     from adonis.dancing import Stopped, random_start
-    from adonis.errors import OutputError
-    from adonis.performing import perform
+    from adonis.errors import InputError, OutputError
+    from adonis.performing import events_of, perform
     from adonis.showing import print_results
     from sim import SimError
 
@@ -127,8 +131,11 @@ def run(
     folder = wished or Path("runs") / spec.task
     begin = random_start(bound.body, bound.start, 1, seed) if start is Start.random else None
     try:
-        results, stopped = perform(console, bound, folder, start=begin, seed=seed, video=video)
-    except (OutputError, SimError, Stopped) as problem:
+        events = events_of(send or (), bound.events)
+        results, stopped = perform(
+            console, bound, folder, start=begin, seed=seed, video=video, events=events
+        )
+    except (InputError, OutputError, SimError, Stopped) as problem:
         if isinstance(problem, Stopped) and problem.interrupted:
             raise KeyboardInterrupt from None
         _refuse(problem)

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arbiter import Arbiter, ArbiterError
-from sim import Body, Diverged, Push, Recorder, Recording, World
+from sim import Body, Diverged, Push, Recorder, Recording, World, unknown
 from specs import BoundTask, task_to_yaml
 
 FloatArray = NDArray[np.float64]
+EARLY = 1e-9  # [s] rounding of sums of time steps
 LOOK_EVERY = 50  # steps between looks at the health of the physics
 
 
@@ -41,6 +42,7 @@ def run_task(
     threads: int = 1,
     start: FloatArray | None = None,
     pushes: Sequence[Push] = (),
+    events: Sequence[tuple[float, str]] = (),
     seed: int = 0,
     contributions: bool = True,
     part: Path | None = None,
@@ -54,6 +56,7 @@ def run_task(
         threads: on which they are stepped; the result does not depend on it.
         start: postures to begin in (nq,) or (n, nq); default: the task's.
         pushes: forces from outside.
+        events: when each is sent to all simulations [s], and its name.
         seed: written into the recording; whoever drew `start` at random used it.
         contributions: whether to keep which primitive made which torque.
         part: file that holds what was recorded so far, while the run lasts.
@@ -67,9 +70,10 @@ def run_task(
             interrupted; it carries what was recorded until then.
         RecordingError: the part cannot be written.
         BodyError: a push names a link that the body lacks.
+        ArbiterError: no condition of the task is about such an event.
     """
     body = task.body
-    world = World(body, n, threads=threads, pushes=pushes, inertia=task.needs_inertia)
+    world = World(body, n, threads=threads, pushes=pushes)
     world.reset(task.start if start is None else start)
     arbiter = Arbiter(task, n, threads=threads, contributions=contributions)
     recorder = Recorder(
@@ -86,9 +90,15 @@ def run_task(
     coda = int(np.ceil(task.spec.seconds(task.spec.coda) / body.timestep))
     last: int | None = None if task.may_wait else planned
     step = 0
+    for _, event in events:
+        if event not in task.events:
+            raise ArbiterError(unknown("event", event, task.events))
+    waiting = sorted(events, reverse=True)
     problem, interrupted = None, False
     try:
         while last is None or step < last:
+            while waiting and step * body.timestep >= waiting[-1][0] - EARLY:
+                arbiter.send(waiting.pop()[1])
             torque = arbiter.torque(world.state)
             if contributions:
                 arbiter.channels(channels)
@@ -107,8 +117,8 @@ def run_task(
         problem = f"{_cause(world, error)}, during {_present(arbiter) or 'the background'}"
     except KeyboardInterrupt:
         problem, interrupted = f"interrupted at {step * body.timestep:.3f} s", True
-    spans = [arbiter.spans(i) for i in range(n)]
-    recordings = recorder.finish(spans, complete=problem is None)
+    spans, rounds = ([each(i) for i in range(n)] for each in (arbiter.spans, arbiter.rounds))
+    recordings = recorder.finish(spans, rounds, complete=problem is None)
     if problem is not None:
         raise Stopped(problem, recordings, interrupted=interrupted)
     recorder.discard_part()

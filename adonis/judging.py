@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adonis.aims import Aims
-from adonis.judging_rhythm import asked_rhythms, off_rhythm, off_swing
+from adonis.judging_rhythm import asked_rhythms, off_centre, off_rhythm, off_swing
 from adonis.verdicts import HEAD, Judgement, Measure, Verdict, claimed, moved_by, swinging
 from primitives import (
     Follow,
@@ -29,6 +29,7 @@ from primitives import (
 from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
 from specs import SubTask, TaskSpec, task_from_text
+from specs.groups import together
 
 FloatArray = NDArray[np.float64]
 
@@ -39,6 +40,7 @@ PALM_ANGLE = 15.0  # palm of a posture [deg]
 RHYTHM_FREQUENCY = 3.0  # of a joint that swings [% of what was asked]
 RHYTHM_AMPLITUDE = 20.0  # in any cycle [% of what was asked]
 RHYTHM_LAG = 20.0  # of a joint behind the first [deg]
+RHYTHM_CENTRE = 0.03  # of a hand's swing, on average, from where it should be [m]
 GAZE = 5.0  # between where the face points and the goal [deg]
 POINTING = 5.0  # between the arm and the goal, seen from the shoulder [deg]
 DRIFT = 5.0  # of any joint that is to stay where it was [deg]
@@ -65,10 +67,11 @@ def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
     verdicts = []
     for subtask in task.subtasks:
         span = spans.get(subtask.name, Span(subtask.name, np.nan, np.nan, "pending"))
-        measures: tuple[Measure, ...] = ()
-        if _had_a_goal(subtask, span):
-            measures = tuple(measuring.subtask(subtask, span, task, spans))
-        verdicts.append(Verdict(subtask, span, measures))
+        rounds = [each for each in (*recording.rounds, span) if each.name == subtask.name]
+        measured = [
+            measuring.subtask(subtask, each, task) for each in rounds if _had_a_goal(subtask, each)
+        ]
+        verdicts.append(Verdict(subtask, span, _worst_of(measured)))
     return Judgement(tuple(verdicts), tuple(measuring.checks(task, spans)), recording.complete)
 
 
@@ -94,18 +97,16 @@ class _Measuring:
 
     # --- sub-tasks -------------------------------------------------------------------------
 
-    def subtask(
-        self, subtask: SubTask, span: Span, task: TaskSpec, spans: dict[str, Span]
-    ) -> list[Measure]:
+    def subtask(self, subtask: SubTask, span: Span, task: TaskSpec) -> list[Measure]:
         end = self.recording.row(span.end)
-        held = max(self.recording.row(self._claimed_again(subtask, task, spans)), end)
+        held = max(self.recording.row(self._claimed_again(subtask, span, task)), end)
         does = subtask.does
         if isinstance(does, GoToPoint):
             return self._reach(does, end, held)
         if isinstance(does, GetPosture):
             return self._posture(does, end, held)
         if isinstance(does, Oscillate):
-            return self._rhythm(does, span.start, span.end, task, does.joints)
+            return self._rhythm(does, span.start, span.end, task, does.swings)
         return self._aim(does, span, end, held, task.duration(subtask))
 
     def _aim(
@@ -168,10 +169,10 @@ class _Measuring:
         """A place that is not a landmark, seen from the link that carries it."""
         if place.near is not None:
             mark = self.replay.site(place.near)
-            carrier = self.replay.link(self.replay.link_of_site(place.near))
+            carrier = self.aims.turned(self.replay.link_of_site(place.near))
             point = mark.position + place.away * mark.axes[:, :, 0]
         else:
-            carrier = self.replay.link(self.replay.parent(limb.upper_arm))
+            carrier = self.aims.turned(self.replay.parent(limb.upper_arm))
             point = carrier.position + carrier.axes @ np.array(place.point)
         shifted: FloatArray = point + carrier.axes @ np.array(place.offset)
         return shifted
@@ -218,37 +219,37 @@ class _Measuring:
         return Measure("joint angles", off[worst], ANGLE, "deg", worst)
 
     def _rhythm(
-        self, does: Oscillate, start: float, end: float, task: TaskSpec, joints: Iterable[str]
+        self, does: Oscillate, start: float, end: float, task: TaskSpec, names: Iterable[str]
     ) -> list[Measure]:
-        """Its swinging joints. One that listens to the limb swings as the limb would."""
-        if does.feedback:
+        """What swings of it. What listens to the limb swings as the limb would."""
+        own = set(names)
+        if does.feedback or not own:
             return []
-        angles = {joint: self.replay.angle(joint) for joint in does.joints}
-        measures = []
+        swung, time = self.aims.swung(does), self.recording.time
+        measures: list[Measure] = []
+
+        def worst(what: str, off: dict[str, float], limit: float, unit: str) -> None:
+            found = {name: value for name, value in off.items() if name in own}
+            if found:
+                at = max(found, key=found.__getitem__)
+                measures.append(Measure(what, found[at], limit, unit, at))
+
         for rhythm in asked_rhythms(does, task.tempo, start, end):
-            found = off_rhythm(does, rhythm, self.recording.time, angles)
-            for what, off, limit, unit in zip(
-                ("frequency", "amplitude", "lag"),
-                found,
-                (RHYTHM_FREQUENCY, RHYTHM_AMPLITUDE, RHYTHM_LAG),
-                ("%", "%", "deg"),
-                strict=True,
-            ):
-                own = {joint: off[joint] for joint in joints if joint in off}
-                if own:
-                    worst = max(own, key=own.__getitem__)
-                    measures.append(Measure(f"{what} off", own[worst], limit, unit, worst))
+            frequencies, amplitudes, lags = off_rhythm(does, rhythm, time, swung)
+            worst("frequency off", frequencies, RHYTHM_FREQUENCY, "%")
+            worst("amplitude off", amplitudes, RHYTHM_AMPLITUDE, "%")
+            worst("lag off", lags, RHYTHM_LAG, "deg")
+            if does.at is not None:
+                off = off_centre(rhythm, time, swung)
+                worst("centre off", off, RHYTHM_CENTRE, "m")
         if not measures:
-            off = off_swing(does, self.recording.time, angles, start, end)
-            own = {joint: off[joint] for joint in joints}
-            worst = max(own, key=own.__getitem__, default="")
-            if worst:
-                measures = [Measure("swing off", own[worst], RHYTHM_AMPLITUDE, "%", worst)]
+            off = off_swing(does, time, swung, start, end)
+            worst("swing off", off, RHYTHM_AMPLITUDE, "%")
         return measures
 
     def _from_carrier(self, limb: Limb, directions: FloatArray) -> FloatArray:
         """Directions (T, 3) of the world, seen from the link that carries the limb."""
-        carrier = self.replay.link(self.replay.parent(limb.upper_arm))
+        carrier = self.aims.turned(self.replay.parent(limb.upper_arm))
         seen: FloatArray = np.einsum("tij,ti->tj", carrier.axes, directions)
         return seen
 
@@ -288,7 +289,8 @@ class _Measuring:
             self._hand_over(task, spans, limits),
         ]
         taken = {j for s in task.subtasks for j in self._joints(claimed(s))}
-        moved = taken | {j for s in (*task.background, *task.subtasks) for j in swinging(s.does)}
+        steps = (*task.background, *task.subtasks)
+        moved = taken | {j for s in steps for j in self._joints(swinging(s.does))}
         for beside in task.background:
             if isinstance(beside.does, LookAt | Relax):
                 moved |= self._joints(moved_by(beside.does))
@@ -304,9 +306,10 @@ class _Measuring:
             checks.append(Measure("upright", off[worst], UPRIGHT, "deg", worst))
         for beside in task.background:
             if isinstance(beside.does, Oscillate):
-                free = [j for j in beside.does.joints if j not in taken]
+                swings = beside.does
+                free = [j for j in swings.swings if not self._joints(swings.limb or j) & taken]
                 whole = float(recording.time[0]), float(recording.time[-1])
-                seen = self._rhythm(beside.does, *whole, task, free)
+                seen = self._rhythm(swings, *whole, task, free)
                 checks += [replace(m, what=f"{beside.name}: {m.what}") for m in seen]
         return checks
 
@@ -315,14 +318,13 @@ class _Measuring:
         recording = self.recording
         steps = torque_steps(recording, limits)
         worst = Measure("hand-over torque step", 0.0, HAND_OVER_STEP, "of the limit in 2 ms")
-        for subtask in task.subtasks:
-            span = spans.get(subtask.name)
-            if span is None or not np.isfinite(span.start):
+        known = {subtask.name: subtask for subtask in task.subtasks}
+        for span in (*recording.rounds, *spans.values()):
+            subtask = known.get(span.name)
+            if subtask is None or not np.isfinite(span.start):
                 continue
             dofs = [self.replay.dof(j) for j in self._joints(claimed(subtask))]
-            first, fade = replace(span, start=span.first), task.fade(subtask)
-            rounds = [steps[hand_over_rows(recording, begun, fade)] for begun in (first, span)]
-            window = np.concatenate(rounds)[:, dofs]
+            window = steps[hand_over_rows(recording, span, task.fade(subtask)), dofs]
             if window.size == 0:
                 continue
             row, column = np.unravel_index(np.argmax(window), window.shape)
@@ -358,15 +360,35 @@ class _Measuring:
             return False
         return True
 
-    def _claimed_again(self, subtask: SubTask, task: TaskSpec, spans: dict[str, Span]) -> float:
-        """When the next sub-task that claims a joint of this one began, or infinity [s]."""
-        own, start = self._joints(claimed(subtask)), spans[subtask.name].start
+    def _claimed_again(self, subtask: SubTask, span: Span, task: TaskSpec) -> float:
+        """When the next sub-task that claims a joint of this one began, or infinity [s].
+
+        It may be the same in its next round. What a group puts beside it does not count until it
+        is over.
+        """
+        own = self._joints(claimed(subtask))
+        rivals = {s.name for s in task.subtasks if own & self._joints(claimed(s))}
         later = [
-            spans[s.name].first
-            for s in task.subtasks
-            if s.name in spans and spans[s.name].first > start and own & self._joints(claimed(s))
+            s.start
+            for s in (*self.recording.rounds, *self.recording.spans)
+            if s.name in rivals
+            and s.start > span.start
+            and (s.start >= span.end or not together(subtask.name, s.name, task.groups))
         ]
         return min(later, default=np.inf)
+
+
+def _worst_of(rounds: Sequence[Sequence[Measure]]) -> tuple[Measure, ...]:
+    """Of each measure the worst round, which is then named beside where it was."""
+    found: dict[str, Measure] = {}
+    for number, measures in enumerate(rounds, start=1):
+        for measure in measures:
+            which = f"round {number}" if len(rounds) > 1 else ""
+            where = ", ".join(part for part in (measure.where, which) if part)
+            known = found.get(measure.what)
+            if known is None or not measure.value <= known.value:
+                found[measure.what] = replace(measure, where=where)
+    return tuple(found.values())
 
 
 def _had_a_goal(subtask: SubTask, span: Span) -> bool:

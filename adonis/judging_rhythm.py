@@ -1,6 +1,6 @@
-"""How fast, how far and how far behind a recorded joint swings: by zero crossings and a sine.
+"""How fast, how far and how far behind a joint or a hand swings: by zero crossings and a sine.
 
-Only angles and times go in, nothing of the oscillators that were to make them.
+Only angles, places and times go in, nothing of the oscillators that were to make them.
 """
 
 from collections.abc import Iterator, Mapping
@@ -32,7 +32,7 @@ class Seen:
     """What was seen."""
 
     frequency: float  # [Hz]; 0 where nothing swings
-    amplitudes: FloatArray  # of each cycle (cycles,) [rad]
+    amplitudes: FloatArray  # of each cycle (cycles,), in the unit of what was given
     phase: float  # of its sine at time 0 [rad]
 
 
@@ -59,11 +59,11 @@ def asked_rhythms(does: Oscillate, tempo: float, start: float, end: float) -> It
 
 
 def seen(time: FloatArray, angle: FloatArray, frequency: float) -> Seen:
-    """Measure the swinging of a joint.
+    """Measure a swing.
 
     Args:
         time: (k,) [s]
-        angle: (k,) [rad]
+        angle: (k,) [rad], or in any other unit.
         frequency: of the sine that is fitted to it [Hz]; what it has is measured apart from that.
     """
     turn = 2.0 * np.pi * frequency * time
@@ -85,35 +85,54 @@ def seen(time: FloatArray, angle: FloatArray, frequency: float) -> Seen:
 
 
 def off_rhythm(
-    does: Oscillate, rhythm: Rhythm, time: FloatArray, angles: Mapping[str, FloatArray]
+    does: Oscillate, rhythm: Rhythm, time: FloatArray, swung: Mapping[str, FloatArray]
 ) -> tuple[dict[str, float], dict[str, float], dict[str, float]]:
-    """By how much joints miss their frequency and amplitude [%], and their lags [deg].
+    """By how much joints, or a hand, miss frequency and amplitude [%], and lags [deg].
 
-    Lags are behind the first joint.
+    Args:
+        does: what was asked.
+        rhythm: for how long, and how fast.
+        time: (k,) [s]
+        swung: where each joint [deg], or the hand along each direction [m], was (k,).
+
+    Returns:
+        By joint or direction; lags are behind the first.
     """
     frequencies, amplitudes, lags = {}, {}, {}
     rows = (time >= rhythm.start) & (time <= rhythm.end)
     first: tuple[float, float] | None = None
-    for joint, swing in does.joints.items():
-        what = seen(time[rows], angles[joint][rows], rhythm.frequency)
-        frequencies[joint] = 100.0 * abs(what.frequency / rhythm.frequency - 1.0)
-        share = np.rad2deg(what.amplitudes) / swing.amplitude
-        amplitudes[joint] = 100.0 * float(np.abs(share - 1.0).max())
+    for name, swing in does.swings.items():
+        what = seen(time[rows], swung[name][rows], rhythm.frequency)
+        frequencies[name] = 100.0 * abs(what.frequency / rhythm.frequency - 1.0)
+        share = what.amplitudes / swing.amplitude
+        amplitudes[name] = 100.0 * float(np.abs(share - 1.0).max())
         if first is None:
             first = what.phase, swing.lag
             continue
         behind = np.rad2deg(first[0] - what.phase) - (swing.lag - first[1])
-        lags[joint] = abs(float((behind + 180.0) % 360.0 - 180.0))
+        lags[name] = abs(float((behind + 180.0) % 360.0 - 180.0))
     return frequencies, amplitudes, lags
 
 
 def off_swing(
-    does: Oscillate, time: FloatArray, angles: Mapping[str, FloatArray], start: float, end: float
+    does: Oscillate, time: FloatArray, swung: Mapping[str, FloatArray], start: float, end: float
 ) -> dict[str, float]:
-    """By how much joints miss the width of their swing, in a rhythm too short for more [%]."""
+    """By how much the width of a swing is missed, in a rhythm too short for more [%]."""
     rows = (time >= start) & (time <= end)
     return {
-        joint: 100.0
-        * abs(0.5 * float(np.rad2deg(np.ptp(angles[joint][rows]))) / swing.amplitude - 1.0)
-        for joint, swing in does.joints.items()
+        name: 100.0 * abs(0.5 * float(np.ptp(swung[name][rows])) / swing.amplitude - 1.0)
+        for name, swing in does.swings.items()
     }
+
+
+def off_centre(
+    rhythm: Rhythm, time: FloatArray, swung: Mapping[str, FloatArray]
+) -> dict[str, float]:
+    """How far the middle of a hand's swing is from its centre, along each direction [m].
+
+    It is the mean over whole cycles.
+    """
+    cycles = np.floor((rhythm.end - rhythm.start) * rhythm.frequency * (1.0 + 1e-9))
+    end = rhythm.start + cycles / rhythm.frequency
+    rows = (time >= rhythm.start) & (time < end)
+    return {name: abs(float(np.mean(place[rows]))) for name, place in swung.items()}

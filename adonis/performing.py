@@ -1,8 +1,9 @@
 """Runs as the command line does them: a bar meanwhile, and what is left behind."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -16,10 +17,11 @@ from rich.progress import (
 from adonis.comparison.human import Human
 from adonis.comparison.report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
+from adonis.errors import InputError
 from adonis.reporting import Results, prepare_folder, remove_folders, write_results
 from adonis.showing import print_comparison
 from primitives import Primitive
-from sim import Body, Recording
+from sim import Body, Recording, unknown
 from specs import BoundTask
 
 FEWEST_ROWS = 2  # of a recording that is worth keeping: fewer are no movement
@@ -33,6 +35,7 @@ def perform(
     start: FloatArray | None,
     seed: int,
     video: bool,
+    events: Sequence[tuple[float, str]] = (),
 ) -> tuple[Results, Stopped | None]:
     """Do a task and write its results, with a bar that says how far it is.
 
@@ -43,6 +46,7 @@ def perform(
         start: posture to begin in; default: the task's.
         seed: see `run_task`.
         video: whether to render an MP4 as well.
+        events: see `run_task`.
 
     Returns:
         The results, and why the run broke off if it did.
@@ -69,7 +73,9 @@ def perform(
                 bar.update(shown, completed=share, description=f"writing: {what}")
 
             try:
-                recordings = run_task(bound, start=start, seed=seed, part=part, progress=moving)
+                recordings = run_task(
+                    bound, start=start, seed=seed, part=part, progress=moving, events=events
+                )
             except Stopped as problem:
                 if len(problem.recordings[0].time) < FEWEST_ROWS:
                     raise
@@ -84,6 +90,31 @@ def perform(
                 part.unlink(missing_ok=True)
             remove_folders(made)
     return results, stopped
+
+
+def events_of(asked: Iterable[str], known: Sequence[str]) -> list[tuple[float, str]]:
+    """When to send what, from `NAME@SECONDS`.
+
+    Args:
+        asked: one for each time that something is sent.
+        known: the events that conditions of the task name.
+
+    Raises:
+        InputError: no such event, or no such time.
+    """
+    found = []
+    for said in asked:
+        name, _, when = said.rpartition("@")
+        try:
+            seconds = float(when)
+        except ValueError:
+            seconds = -1.0
+        if not name or not 0.0 <= seconds < np.inf:
+            raise InputError(f"--send: expected EVENT@SECONDS, such as go@1.5, not {said!r}")
+        if name not in known:
+            raise InputError(f"--send: {unknown('event', name, known)}")
+        found.append((seconds, name))
+    return found
 
 
 def perform_comparison(

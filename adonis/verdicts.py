@@ -129,8 +129,10 @@ def moved_by(does: Primitive) -> Sequence[str]:
 
 
 def swinging(does: Primitive) -> Sequence[str]:
-    """Joints that swing in a rhythm."""
-    return tuple(does.joints) if isinstance(does, Oscillate) else ()
+    """Joints, or the limb, that swing in a rhythm."""
+    if not isinstance(does, Oscillate):
+        return ()
+    return tuple(does.joints or ()) if does.limb is None else (does.limb,)
 
 
 def _ratio(measure: Measure) -> float:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from arbiter.combination import Combination
 from arbiter.errors import ArbiterError
 from arbiter.kernel import ACT, WALK, control
-from arbiter.plan import COURSE, DONE, LOG, OUTCOMES, PENDING, SKIPPED, SLOT, Plan, make_plan
+from arbiter.plan import COURSE, DONE, LOG, OUTCOMES, PENDING, ROUND, SKIPPED, SLOT, Plan, make_plan
 from arbiter.run import Parts, Run
 from arbiter.safety import SafetyFilter
 from primitives import Field
@@ -71,6 +71,7 @@ class Arbiter:
         self._live = np.full(n, -1, dtype=np.int32)
         self._slots = np.zeros((n, slots), dtype=SLOT)
         self._log = np.zeros((n, len(task.fields)), dtype=LOG)
+        self._rounds = np.zeros((n, self.plan.rounds), dtype=ROUND)
         self._memory = np.zeros((n, channels + 1, memory_size(table)))
         self._plain_torque = np.zeros((n, len(self._plain), body.nv))
         self._plain_error = np.zeros((n, len(self._plain)))
@@ -79,8 +80,6 @@ class Arbiter:
         kept = (n, channels + self._filtered) if contributions or grouped else (0, 0)
         self._contribution = np.zeros((*kept, body.nv))
         self._activation = np.zeros((*(kept if grouped else (0, 0)), body.nv))
-        self._combination = Combination(task, self.names, n) if grouped else None
-        self._who = np.full(kept, -1, dtype=np.int32)
         self._torque = np.zeros((n, body.nv))
         gives_way = np.array(
             [
@@ -94,7 +93,7 @@ class Arbiter:
             *(link_table(body), dof_table(body), *table),
             *(gives_way, self.plan.nodes, self.plan.others, self.plan.roots),
             *(self.plan.conditions, np.array([task.spec.hand_over]), self._course, self._events),
-            *(self._live, self._slots, self._log, self._memory, touches),
+            *(self._live, self._slots, self._log, self._rounds, self._memory, touches),
             *(self._plain_torque, self._plain_error, self._contribution, self._activation),
             self._torque,
             np.linspace(0, n, self._shares + 1).astype(np.int64),
@@ -103,6 +102,7 @@ class Arbiter:
             *make_scratch(table, self._shares),
         )
         self._run = Run(parts)
+        self._combination = Combination(task, self.names, parts, self._crew) if grouped else None
         self._bound: tuple[State, tuple[object, ...]] | None = None
         self._safety: SafetyFilter | None = None
         if self._filtered:
@@ -151,7 +151,7 @@ class Arbiter:
         if bad >= 0:
             raise self._not_finite(state, bad)
         if self._combination is not None:
-            self._combine(self._combination, state)
+            self._combination.apply(state)
         if self._safety is not None:
             self._safety.apply(state)
         return self._torque
@@ -220,22 +220,24 @@ class Arbiter:
             found.append(Span(name, start, end, OUTCOMES[outcome], began))
         return tuple(found)
 
+    def rounds(self, simulation: int = 0) -> tuple[Span, ...]:
+        """What sub-tasks did in the rounds before the latest; of very many, the last of them."""
+        kept = int(self._course[simulation]["rounds"])
+        rows = self._rounds[simulation]
+        order = np.arange(max(kept - len(rows), 0), kept) % max(len(rows), 1)
+        names = self.task.graph.order
+        return tuple(
+            Span(
+                names[row["node"]], float(row["start"]), float(row["end"]), OUTCOMES[row["outcome"]]
+            )
+            for row in rows[order]
+        )
+
     @property
     def over(self) -> NDArray[np.bool_]:
         """Whether every sub-task is over, (n,)."""
         done: NDArray[np.bool_] = np.all(self._log["outcome"] >= DONE, axis=1)
         return done
-
-    def _combine(self, combination: Combination, state: State) -> None:
-        """Replace the sum by what the groups make of it, within the motors' limits."""
-        self.channels(self._who)
-        asked = self._backgrounds + self.plan.slots  # behind them stands the safety filter
-        combination.apply(
-            state, self._contribution[:, :asked], self._activation, self._who[:, :asked],
-            self._torque,
-        )  # fmt: skip
-        limit = self.task.body.torque_limit
-        np.clip(self._torque, -limit, limit, out=self._torque)
 
     # --- inside ---------------------------------------------------------------------------
 

@@ -5,7 +5,8 @@ background, as one sheet over another: the newest gets its weight w, the one bel
 share w' of what is left, 1 - w, and so on down; the background gets what remains. w rises
 from 0 to 1 along the step of Mataric et al. (1999), eq 5, and the weights on a joint always
 add up to one, whatever interrupts what. One that is cut short is released: its w falls to 0
-along the same step, and what lies below comes out again.
+along the same step, and what lies below comes out again. Those that a group puts side by side do
+not cover each other: each gets its weight of what all others above it leave.
 """
 
 import numpy as np
@@ -27,6 +28,7 @@ def fade_in(elapsed: float, duration: float) -> float:
 def weigh_fields(
     time: float,
     nodes: Records,
+    others: NDArray[np.int32],
     claims: NDArray[np.bool_],
     gives_way: NDArray[np.bool_],
     slots: Records,
@@ -38,6 +40,7 @@ def weigh_fields(
     Args:
         time: [s]
         nodes: rows of NODE.
+        others: what their numbers stand for.
         claims: (fields, nv): those of the background first.
         gives_way: (backgrounds,) whether it claims joints, which sub-tasks may take over.
         slots: rows of SLOT, the oldest first; `covered` is set where nothing is left.
@@ -52,12 +55,18 @@ def weigh_fields(
     for s in range(live - 1, -1, -1):
         k, row = slots[s].node, weight[backgrounds + s]
         share = fade_in(time - slots[s].start, nodes[k].fade)
+        slots[s].share = 0.0
         if nodes[k].claims:
             gone = False
             if slots[s].released:  # what lies below comes out again
                 share *= 1.0 - fade_in(time - slots[s].end, nodes[k].fade)
                 gone = share == 0.0
-            slots[s].covered = not lay_over(share, claims[backgrounds + k], left, row) or gone
+            slots[s].share = share
+            room = left
+            if nodes[k].mates:
+                beside(nodes, others, slots, s, live, claims[backgrounds:], row)
+                room = row
+            slots[s].covered = not lay_over(share, claims[backgrounds + k], room, left, row) or gone
             continue
         if slots[s].over:  # it only adds: on while it runs, then it fades away
             share *= 1.0 - fade_in(time - slots[s].end, nodes[k].fade)
@@ -71,16 +80,46 @@ def weigh_fields(
 
 
 @compiled
-def lay_over(share: float, claims: NDArray[np.bool_], left: FloatArray, weight: FloatArray) -> bool:
-    """Give a sub-task its share of what is left of the joints (nv,) that it claims.
+def lay_over(
+    share: float,
+    claims: NDArray[np.bool_],
+    room: FloatArray,
+    left: FloatArray,
+    weight: FloatArray,
+) -> bool:
+    """Give a sub-task its share of the room on the joints (nv,) that it claims.
 
-    Returns whether anything was left for it on any of them.
+    What is left of them for those below becomes less. Returns whether there was any room.
     """
     found = False
     for j in range(weight.shape[0]):
-        weight[j] = 0.0
         if claims[j]:
-            weight[j] = share * left[j]
-            found = found or left[j] > 0.0
+            found = found or room[j] > 0.0
+            weight[j] = share * room[j]
             left[j] *= 1.0 - share
+        else:
+            weight[j] = 0.0
     return found
+
+
+@compiled
+def beside(
+    nodes: Records,
+    others: NDArray[np.int32],
+    slots: Records,
+    s: int,
+    live: int,
+    claims: NDArray[np.bool_],
+    room: FloatArray,
+) -> None:
+    """room (nv,) = what those above slot s leave of each joint, but for those in its group."""
+    node = nodes[slots[s].node]
+    for j in range(room.shape[0]):
+        room[j] = 1.0
+    for above in range(s + 1, live):
+        mate = False
+        for m in range(node.mate, node.mate + node.mates):
+            mate = mate or others[m] == slots[above].node
+        for j in range(0 if mate else room.shape[0]):
+            if claims[slots[above].node, j]:
+                room[j] *= 1.0 - slots[above].share

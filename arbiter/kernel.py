@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arbiter.hand_over import weigh_fields
-from arbiter.rules import sum_torques
+from arbiter.rules import limit_torques, sum_torques
 from arbiter.run import Parts
 from arbiter.walk import Course, queue_up, walk
 from primitives.compiled import Record, Records, compiled, compiled_entry, fingerprint
@@ -107,16 +107,6 @@ def keep(asked: FloatArray, on: int, contribution: FloatArray) -> None:
 
 
 @compiled
-def limit_torques(dofs: Records, torque: FloatArray) -> bool:
-    """Hold torques within the motors' limits; returns whether all of them are finite."""
-    finite = True
-    for j in range(torque.shape[0]):
-        finite = finite and np.isfinite(torque[j])
-        torque[j] = min(max(torque[j], -dofs[j].limit), dofs[j].limit)
-    return finite
-
-
-@compiled
 def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) -> bool:
     """Control simulation i; returns whether its torque is finite."""
     table = FieldTable(
@@ -129,7 +119,7 @@ def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) ->
     if what & WALK:
         c = Course(
             p.nodes, p.others, p.conditions, backgrounds, slots, log, memory,
-            p.plain_error[i], p.events[i], course,
+            p.plain_error[i], p.events[i], course, p.rounds[i],
         )  # fmt: skip
         keep_time(time, p.ease[0], course)
         if live < 0:
@@ -150,7 +140,7 @@ def control_one(what: int, share: int, i: int, time: float, x: Row, p: Parts) ->
         p.wrenches[share],
         p.placed[share],
     )
-    weigh_fields(now, p.nodes, p.claims, p.gives_way, slots, live, weight)
+    weigh_fields(now, p.nodes, p.others, p.claims, p.gives_way, slots, live, weight)
     ask_fields(
         now, x, table, backgrounds, slots, live, course.pace, memory, weight,
         p.touches[i], p.plain[i], scratch, asked,
@@ -194,9 +184,9 @@ def _make(code: str) -> Callable[..., int]:
         parts = Parts(
             r.links, r.dofs, r.fields, r.claims, r.numbers, r.reaches, r.points, r.guards,
             r.guarded, r.pairs, r.capsules, r.gives_way, r.nodes, r.others, r.roots,
-            r.conditions, r.ease, r.course, r.events, r.live, r.slots, r.log, r.memory,
-            r.touches, r.plain, r.plain_error, r.contribution, r.activation, r.torque,
-            r.shares, r.weight, r.asked, r.knot_weight, r.knot_rate, r.angles, r.balls,
+            r.conditions, r.ease, r.course, r.events, r.live, r.slots, r.log, r.rounds, r.memory,
+            r.touches, r.plain, r.plain_error, r.contribution, r.activation, r.torque, r.shares,
+            r.weight, r.asked, r.knot_weight, r.knot_rate, r.angles, r.balls,
             r.wrenches, r.placed,
         )  # fmt: skip
         return control_share(what, share, time, qpos, qvel, xpos, xmat, cdof, cvel, com, parts)

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from primitives.compiled import Records
 from specs import BoundTask, Condition
 from specs.graph import OTHERWISE, WHILE
+from specs.groups import together
 from specs.ordering import members, order_of
+from specs.repeating import chains
 
 ALL, ANY, FIRST = range(3)  # how many of its predecessors a sub-task waits for
 NODE = np.dtype(
@@ -33,6 +35,12 @@ NODE = np.dtype(
         ("companions", np.int32),
         ("ended", np.int32),  # those that it ends when it begins, likewise
         ("ends", np.int32),
+        ("waits", np.int32),  # for so many predecessors
+        ("again", np.int32),  # what a new round of it begins with
+        ("chain", np.int32),  # those that are done over with it, likewise
+        ("links", np.int32),
+        ("mate", np.int32),  # those of its groups that may be on at once with it, likewise
+        ("mates", np.int32),
     ],
     align=True,
 )
@@ -74,6 +82,7 @@ SLOT = np.dtype(
     [
         ("start", np.float64),  # [s]
         ("end", np.float64),  # [s] when it was over, or released
+        ("share", np.float64),  # of what is left of its joints
         ("node", np.int32),
         ("over", np.bool_),
         ("covered", np.bool_),
@@ -81,6 +90,14 @@ SLOT = np.dtype(
     ],
     align=True,
 )
+ROUND = np.dtype(  # one that a sub-task has done, and was to do over
+    [
+        *(("start", np.float64), ("end", np.float64)),  # [s] of the simulation
+        *(("node", np.int32), ("outcome", np.int8)),
+    ],
+    align=True,
+)
+MOST_ROUNDS = 256  # that are kept of a simulation; of more the latest
 # Per simulation: the clock of the task, and the queue of those that begin or have ended.
 COURSE = np.dtype(
     [
@@ -90,6 +107,7 @@ COURSE = np.dtype(
         ("last", np.float64),  # [s] time of the last step
         ("head", np.int32),
         ("tail", np.int32),
+        ("rounds", np.int32),  # that were kept
         ("stop", np.bool_),
     ],
     align=True,
@@ -106,6 +124,7 @@ class Plan:
     waits: NDArray[np.int32]  # (N,) number of predecessors
     conditions: Records  # CONDITION
     slots: int  # how many sub-tasks can make torque at once
+    rounds: int  # how many earlier rounds are kept
 
 
 def make_plan(task: BoundTask) -> Plan:
@@ -127,6 +146,7 @@ def make_plan(task: BoundTask) -> Plan:
     ended: dict[int, list[int]] = {}
     if any(s.policy == "first" for s in spec.subtasks):
         ended = {k: members(known.ended) for k, known in enumerate(order_of(graph)) if known.ended}
+    repeated, mates = chains(graph.graph, spec.subtasks), _mates(task)
     for name, k in number.items():
         subtask, field = graph.subtasks[name], task.fields[k]
         ways: dict[str, list[int]] = {}
@@ -148,6 +168,10 @@ def make_plan(task: BoundTask) -> Plan:
             *kept(ways.get("after", [])),
             *kept(ways.get(WHILE, [])),
             *kept(ended.get(k, [])),
+            graph.graph.in_degree(name),
+            k if subtask.first is None else number[subtask.first],
+            *kept(sorted(number[other] for other in repeated.get(name, ()))),
+            *kept(sorted(mates.get(k, ()))),
         )
         waits[k] = graph.graph.in_degree(name)
     return Plan(
@@ -156,7 +180,8 @@ def make_plan(task: BoundTask) -> Plan:
         roots=np.flatnonzero(waits == 0).astype(np.int32),
         waits=waits,
         conditions=_conditions(task),
-        slots=_slots(task),
+        slots=_slots(task) + len(mates),
+        rounds=_rounds(task),
     )
 
 
@@ -168,6 +193,31 @@ def _conditions(task: BoundTask) -> Records:
             row["hand"], row["palm"] = condition.palm.link, condition.palm.point
             row["link"], row["landmark"] = condition.landmark.link, condition.landmark.point
     return rows
+
+
+def _mates(task: BoundTask) -> dict[int, set[int]]:
+    """Of each sub-task in a group, those beside it there that do not come before or after it."""
+    found: dict[int, set[int]] = {}
+    if not task.spec.groups:
+        return found
+    order = task.graph.order
+    for b, known in enumerate(order_of(task.graph)):
+        for a in range(b if order[b] in task.grouped else 0):
+            free = not known.over >> a & 1 and order[a] in task.grouped
+            if free and together(order[a], order[b], task.spec.groups):
+                found.setdefault(a, set()).add(b)
+                found.setdefault(b, set()).add(a)
+    return found
+
+
+def _rounds(task: BoundTask) -> int:
+    """How many rounds there are at most beside the last of each sub-task."""
+    found, repeated = 0, chains(task.graph.graph, task.spec.subtasks)
+    for name, subtask in task.graph.subtasks.items():
+        around = [task.graph.subtasks[last].times for last, own in repeated.items() if name in own]
+        own = subtask.times if subtask.first is None else 1
+        found += min(int(np.prod([own, *around], dtype=float)) - 1, MOST_ROUNDS)
+    return min(found, MOST_ROUNDS)
 
 
 def _slots(task: BoundTask) -> int:

@@ -1,9 +1,9 @@
-"""Combination rules: from the torques of many fields to one torque per joint."""
+"""The last of every rule: the torques of many fields become one per joint, within its limit."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from primitives.compiled import compiled
+from primitives.compiled import Records, compiled
 
 FloatArray = NDArray[np.float64]
 
@@ -22,3 +22,13 @@ def sum_torques(contribution: FloatArray, count: int, out: FloatArray) -> None:
         for k in range(count):
             total += contribution[k, j]
         out[j] = total
+
+
+@compiled
+def limit_torques(dofs: Records, torque: FloatArray) -> bool:
+    """Hold torques within the motors' limits; returns whether all of them are finite."""
+    finite = True
+    for j in range(torque.shape[0]):
+        finite = finite and np.isfinite(torque[j])
+        torque[j] = min(max(torque[j], -dofs[j].limit), dofs[j].limit)
+    return finite

@@ -40,6 +40,7 @@ class Parts(NamedTuple):
     live: Records  # (n,) how many sub-tasks are on; -1 before the first step
     slots: Records  # (n, slots) SLOT: which they are
     log: Records  # (n, sub-tasks) LOG: how far each has come
+    rounds: Records  # (n, rounds) ROUND: what was done before it was done over
     memory: Records  # (n, fields on + 1, m) what fields remember; the last row is the arbiter's
     touches: Records  # (n, slots + 1) TOUCH: room to say which hands are to touch what
     plain: Records  # (n, plain fields, nv) torques of primitives in plain Python [N m]

@@ -45,6 +45,7 @@ class Course(NamedTuple):
     plain_error: FloatArray
     events: FloatArray  # when each was sent last [s]
     course: Record  # COURSE
+    rounds: Records  # ROUND
 
 
 @compiled
@@ -167,7 +168,7 @@ def drop_covered(c: Course, live: int) -> int:
 def skips(time: float, x: Row, c: Course, k: int, live: int) -> bool:
     """Whether sub-task k, whose turn it is, is left out; `first` ends the others in any case."""
     node, row = c.nodes[k], c.log[k]
-    if row.rounds > 0:
+    if row.rounds > 0 and node.links == 0:
         return False
     if node.join == FIRST:
         for m in range(node.ended, node.ended + node.ends):
@@ -244,7 +245,51 @@ def came_of(time: float, x: Row, table: FieldTable, c: Course, s: int, start: fl
 
 
 @compiled
-def check(time: float, x: Row, table: FieldTable, c: Course, s: int) -> None:
+def keep_round(c: Course, k: int) -> None:
+    """Take down what sub-task k did, before it is done over."""
+    row, room = c.log[k], c.rounds.shape[0]
+    if not room or row.outcome in (PENDING, SKIPPED):
+        return
+    kept = c.rounds[c.course.rounds % room]
+    kept.node, kept.outcome = k, row.outcome
+    kept.start, kept.end = row.start + row.start_lag, row.end + row.end_lag
+    c.course.rounds += 1
+
+
+@compiled
+def do_over(c: Course, k: int, end: float, live: int) -> bool:
+    """Let a new round of sub-task k begin, with all that is repeated with it; end what still runs.
+
+    Returns whether it could: not while one of them still stands in the queue.
+    """
+    node, log = c.nodes[k], c.log
+    chained = c.others[node.chain : node.chain + node.links]
+    for m in chained:
+        if log[m].queued:
+            return False
+    log[k].outcome, log[k].end, log[k].end_lag = DONE, end, c.course.lag
+    log[k].rounds += 1
+    if not node.links:
+        keep_round(c, k)
+    for m in chained:
+        if m != k and log[m].outcome == RUNNING:  # beside others, or not waited for
+            for s in range(live):
+                if c.slots[s].node == m and not c.slots[s].over:
+                    release(c, s, end)
+            log[m].outcome, log[m].end = DONE if c.nodes[m].beside else ENDED, end
+            log[m].end_lag = c.course.lag
+        keep_round(c, m)
+        log[m].outcome, log[m].way, log[m].called = PENDING, GO_ON, False
+        log[m].waits, log[m].start = c.nodes[m].waits, end
+        if m != k:
+            log[m].rounds = 0
+    log[k].outcome, log[k].start = PENDING, end
+    queue_up(c, node.again)
+    return True
+
+
+@compiled
+def check(time: float, x: Row, table: FieldTable, c: Course, s: int, live: int) -> None:
     """See whether the sub-task in slot s is over.
 
     One that ends on time hands its exact end on as the start of the next, so that the beat
@@ -260,18 +305,16 @@ def check(time: float, x: Row, table: FieldTable, c: Course, s: int) -> None:
         return
     on_time = node.done < 0 and node.tolerance == 0.0
     end = start + node.duration if on_time else time
+    if outcome == DONE and (node.until < 0 or not holds(c, node.until, c.log[node.again].start, x)):
+        if c.log[k].rounds + 1 < node.times:
+            if do_over(c, k, end, live):
+                c.slots[s].over = True
+                c.slots[s].end = end
+            return
+        if node.until >= 0:
+            outcome = TIMED_OUT
     c.slots[s].over = True
     c.slots[s].end = end
-    if outcome == DONE:
-        c.log[k].rounds += 1
-        if node.until < 0 or not holds(c, node.until, start, x):
-            if c.log[k].rounds < node.times:
-                c.log[k].outcome = PENDING
-                c.log[k].start = end
-                queue_up(c, k)
-                return
-            if node.until >= 0:
-                outcome = TIMED_OUT
     gave_up = outcome == TIMED_OUT and node.otherwise >= 0
     settle(c, k, outcome, OTHER_WAY if gave_up else GO_ON, end)
 
@@ -308,5 +351,5 @@ def walk(time: float, x: Row, table: FieldTable, c: Course, live: int) -> int:
             s += 1
         if s == live:
             return live
-        check(time, x, table, c, s)
+        check(time, x, table, c, s, live)
         s += 1

@@ -39,7 +39,7 @@ for name, groups in RULES.items():
     judgement = judge(recording, task.spec)
     pairs = attribute(recording, Replay(recording)).pairs
     cancelled = sum(pair.cancelled for pair in pairs)
-    world, arbiter = World(body, inertia=task.needs_inertia), Arbiter(task)
+    world, arbiter = World(body), Arbiter(task)
     arbiter.torque(world.state)
     began = time.perf_counter()
     for _ in range(STEPS):

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, model_validator
 from pydantic import Field as Parameter
 
-from primitives.compiled_field import CompiledField
+from primitives.goal_field import GoalField
 from primitives.impedance import POINT
 from primitives.parameters import SETTLE, Direction, NonNegative, Positive, Vector, settling
 from primitives.primitive import FloatArray, Primitive
@@ -103,7 +103,7 @@ class Follow(Primitive):
         return PursuitField(body, arm, goal, knots, settling(self.settle, duration), gains)
 
 
-class PursuitField(CompiledField):
+class PursuitField(GoalField):
     """Lets a palm follow a point: see `pursuit`."""
 
     def __init__(

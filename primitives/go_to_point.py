@@ -41,7 +41,7 @@ class Place(BaseModel):
     near: str | None = None  # a landmark
     away: float = 0.0  # this far out along its normal [m]
     point: Vector | None = None  # forward, left, up of the trunk's origin [m]
-    offset: Vector = (0.0, 0.0, 0.0)  # added: forward, left, up [m]
+    offset: Vector = (0.0, 0.0, 0.0)  # added: forward, left, up at home; it turns with the link [m]
 
     @model_validator(mode="after")
     def _one_of(self) -> "Place":

@@ -1,30 +1,32 @@
-"""oscillate: swing joints about a centre, for as long as it lasts.
+"""oscillate: swing joints, or a hand, about a centre, for as long as it lasts.
 
-For waving, nodding, bouncing, swaying: an oscillator moves the equilibrium of a joint spring
-(Williamson 1998); see `oscillator`. By itself it holds its joints. With `claims: false` it only
-moves the equilibrium of whatever else holds them, so that a rhythm can go on beside a movement.
+For waving, nodding, bouncing, swaying, patting: an oscillator moves the equilibrium of a joint's
+spring (Williamson 1998), or of the spring that holds a palm; see `oscillator` and `hand_rhythm`. By
+itself it holds what swings. With `claims: false` it only moves the equilibrium of whatever else
+holds it, so that a rhythm can go on beside a movement.
 """
 
+from collections.abc import Mapping
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, model_validator
 from pydantic import Field as Parameter
 
-from primitives.compiled_field import CompiledField
 from primitives.errors import PrimitiveError
-from primitives.limit_cycle import limit_cycle
-from primitives.oscillator import HEAD, HOPF, JOINT, MATSUOKA, SINE, STATES, STRETCH
-from primitives.parameters import NonNegative, Positive
-from primitives.posture_field import JointGains, joint_gains
-from primitives.primitive import NO_JOINTS, FloatArray, IntArray, Primitive
-from primitives.table import RHYTHM, TableBuilder
-from sim import Body
+from primitives.parameters import Direction, NonNegative, Positive
+from primitives.posture_field import joint_gains
+from primitives.primitive import FloatArray, Primitive
+from primitives.reach_field import HandGoal
+from primitives.rhythm_field import HandRhythmField, Oscillators, RhythmField
+from primitives.target import Target, locate, refuse_own
+from sim import Body, Spot
 
 Oscillator = Literal["sine", "hopf", "matsuoka"]
-KINDS: dict[Oscillator, int] = {"sine": SINE, "hopf": HOPF, "matsuoka": MATSUOKA}
 FASTEST = 0.1  # cycles per time step of the physics
 ITS_OWN = ("feedback", "coupling")  # what a sine does not have
+OF_A_HAND = ("along", "at", "palm", "turn_stiffness", "turn_damping", "shoulder_damping")
+OPPOSITES = (("up", "down"), ("left", "right"), ("forward", "back"))
 
 
 class Swing(BaseModel):
@@ -33,6 +35,15 @@ class Swing(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     amplitude: Annotated[float, Parameter(gt=0, le=180)]  # to either side [deg]
+    lag: Annotated[float, Parameter(ge=-360, le=360)] = 0.0  # behind the rhythm [deg]
+
+
+class HandSwing(BaseModel):
+    """How a hand swings in one direction."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    amplitude: Annotated[float, Parameter(gt=0, le=2)]  # to either side [m]
     lag: Annotated[float, Parameter(ge=-360, le=360)] = 0.0  # behind the rhythm [deg]
 
 
@@ -52,10 +63,14 @@ class TempoChange(BaseModel):
 
 
 class Oscillate(Primitive):
-    """Swing joints about a centre, in a rhythm."""
+    """Swing joints, or a hand, about a centre, in a rhythm."""
 
     kind: Literal["oscillate"] = "oscillate"
-    joints: Annotated[dict[str, Swing], Parameter(min_length=1)]
+    joints: Annotated[dict[str, Swing], Parameter(min_length=1)] | None = None  # or
+    limb: str | None = None  # an arm, whose hand swings
+    along: Annotated[dict[str, HandSwing], Parameter(min_length=1)] | None = None  # directions
+    at: str | Target | None = None  # the centre of a hand's swing; default: where the palm is
+    palm: Direction | None = None  # where it faces; default: free
     frequency: Positive | None = None  # [Hz], or
     beats_per_cycle: Positive | None = None  # at the task's tempo
     then: tuple[TempoChange, ...] = ()
@@ -66,11 +81,22 @@ class Oscillate(Primitive):
     oscillator: Oscillator = "sine"
     feedback: NonNegative = 0.0  # of the joint to its oscillator; 0: it does not listen
     coupling: Annotated[float, Parameter(ge=0, lt=1)] = 0.5  # how firmly joints keep their lags
-    stiffness: Positive | None = None  # of the joint springs [N m/rad]; default: the body's
-    damping: NonNegative | None = None  # [N m s/rad]
+    # Gains of the joints' springs [N m/rad, N m s/rad], or of the hand's [N/m, N s/m]; default: the
+    # body's. Then those that only a hand has.
+    stiffness: Positive | None = None
+    damping: NonNegative | None = None
+    turn_stiffness: Positive | None = None  # [N m/rad]
+    turn_damping: NonNegative | None = None  # [N m s/rad]
+    shoulder_damping: NonNegative | None = None  # [N m s/rad]
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        if (self.joints is None) == (self.limb is None):
+            raise ValueError("give either joints, or a limb and along")
+        if self.limb is not None:
+            self._check_hand()
+        elif own := self.model_fields_set.intersection(OF_A_HAND):
+            raise ValueError(f"{min(own)} goes with a limb, whose hand swings")
         _check_pace(self.frequency, self.beats_per_cycle)
         if any(b.cycle <= a.cycle for a, b in zip(self.then, self.then[1:], strict=False)):
             raise ValueError("the cycles of 'then' must rise")
@@ -78,11 +104,27 @@ class Oscillate(Primitive):
             for name in ITS_OWN:
                 if name in self.model_fields_set:
                     raise ValueError(f"{name} belongs to the oscillators hopf and matsuoka")
-        if not self.claims and self.centre is not None:
-            raise ValueError(
-                "without claims the centre is that of whatever holds the joints: leave it out"
-            )
+        for name in ("centre", "at"):
+            if not self.claims and getattr(self, name) is not None:
+                raise ValueError(
+                    "without claims the centre is that of whatever holds what swings: leave"
+                    f" {name!r} out"
+                )
         return self
+
+    def _check_hand(self) -> None:
+        if self.along is None:
+            raise ValueError("a limb swings along directions: along: {up: {amplitude: 0.05}}")
+        if self.centre is not None:
+            raise ValueError("centre is for joints; a hand swings about what 'at' says")
+        for one, other in OPPOSITES:
+            if one in self.along and other in self.along:
+                raise ValueError(f"{one!r} and {other!r} are one line: leave one of them out")
+
+    @property
+    def swings(self) -> Mapping[str, Swing | HandSwing]:
+        """What swings and how: joints [deg], or the directions of a hand [m]."""
+        return self.joints or self.along or {}
 
     def at_tempo(self, tempo: float) -> Self:
         """See `Primitive.at_tempo`."""
@@ -92,14 +134,8 @@ class Oscillate(Primitive):
         )
         return self.model_copy(update=own | {"then": then})
 
-    def bind(self, body: Body, duration: float) -> "RhythmField":
+    def bind(self, body: Body, duration: float) -> "RhythmField | HandRhythmField":
         """See `Primitive.bind`."""
-        dofs = []
-        for name in self.joints:
-            found = body.joints(name)
-            if len(found) != 1:
-                raise PrimitiveError(f"{name!r} is {len(found)} joints; name each that swings")
-            dofs.append(int(found[0]))
         stretches = self._stretches(body)
         ease = self.ease / stretches[[0, -1], 2]  # [s] at the beginning and before the end
         if np.isfinite(duration) and ease.sum() > duration * (1.0 + 1e-9):
@@ -107,24 +143,43 @@ class Oscillate(Primitive):
                 f"{duration:.3g} s are too short for a swing to grow and die away, which takes"
                 f" {ease.sum():.3g} s: give it more time, or less 'ease'"
             )
-        centre = self._centre(body)
+        scale = 1.0 if self.limb else np.deg2rad(1.0)
         swings = [
-            (float(dof), np.deg2rad(s.amplitude), np.deg2rad(s.lag - self.phase), centre[dof])
-            for dof, s in zip(dofs, self.joints.values(), strict=True)
+            (s.amplitude * scale, np.deg2rad(s.lag - self.phase)) for s in self.swings.values()
         ]
-        return RhythmField(
-            body,
-            np.array(dofs, dtype=np.int32),
-            self,
-            stretches,
-            ease,
+        how = Oscillators(
+            self.oscillator, self.claims, self.feedback, self.coupling, stretches, ease,
             np.array(swings),
-            joint_gains(
-                body, np.array(dofs, dtype=np.int32),
-                stiffness=self.stiffness, damping=self.damping,
-            ),
-            duration,
         )  # fmt: skip
+        if self.limb is not None:
+            return self._bind_hand(body, self.limb, how, duration)
+        dofs = []
+        for name in self.joints or ():
+            found = body.joints(name)
+            if len(found) != 1:
+                raise PrimitiveError(f"{name!r} is {len(found)} joints; name each that swings")
+            dofs.append(int(found[0]))
+        own = np.array(dofs, dtype=np.int32)
+        gains = joint_gains(body, own, stiffness=self.stiffness, damping=self.damping)
+        return RhythmField(body, own, how, self._centre(body)[own], gains, duration)
+
+    def _bind_hand(
+        self, body: Body, limb: str, how: Oscillators, duration: float
+    ) -> HandRhythmField:
+        arm = body.arm(limb)
+        directions = [body.to_link(arm.root, body.direction(word)) for word in self.swings]
+        places: tuple[Spot, ...] = ()
+        normal, touched = None, -1
+        if self.at is not None:
+            places = (locate(body, self.at, arm.root),)
+            refuse_own(body, places[0], arm.dofs, "oscillate", self.at)
+            if isinstance(self.at, str):
+                touched, normal = places[0].link, (places[0].link, -places[0].normal)
+        if self.palm is not None:
+            normal = (arm.root, body.to_link(arm.root, body.direction(self.palm)))
+        goal = HandGoal(places, normal=normal, touched=touched)
+        gains = {name: getattr(self, name, None) for name in type(arm.limb.spring).model_fields}
+        return HandRhythmField(body, arm, how, np.array(directions), goal, gains, duration)
 
     def _stretches(self, body: Body) -> FloatArray:
         """Stretches of one frequency: begins [s], cycles until then, frequency [Hz]."""
@@ -154,74 +209,13 @@ class Oscillate(Primitive):
                 angles = body.posture(name)
             case said:
                 for name in said:
-                    if name not in self.joints:
+                    if name not in self.swings:
                         raise PrimitiveError(f"the centre has {name!r}, which does not swing")
                 angles = body.angles(said)
-        for name in self.joints:
+        for name in self.swings:
             if np.isnan(angles[body.joints(name)]).any():
                 raise PrimitiveError(f"the centre {self.centre!r} says nothing about {name!r}")
         return angles
-
-
-class RhythmField(CompiledField):
-    """Swings joints: see `oscillator`.
-
-    Args:
-        body: whose joints.
-        dofs: which of them (k,).
-        does: the primitive, of which kind, feedback, coupling and claims are taken.
-        stretches: of one frequency (s, 3): begins [s], cycles until then, frequency [Hz].
-        ease: time in which it grows, and in which it dies away (2,) [s].
-        swings: per joint (k, 4): number, amplitude, lag, centre [rad].
-        gains: of the joints.
-        duration: when it is at rest again [s].
-    """
-
-    def __init__(
-        self,
-        body: Body,
-        dofs: IntArray,
-        does: Oscillate,
-        stretches: FloatArray,
-        ease: FloatArray,
-        swings: FloatArray,
-        gains: JointGains,
-        duration: float,
-    ) -> None:
-        super().__init__(body, dofs if does.claims else NO_JOINTS, unit="")
-        self._does, self._stretches, self._ease = does, stretches, ease
-        self._swings, self._gains, self._duration = swings, gains, duration
-
-    def add_to(self, table: TableBuilder) -> int:
-        """See `CompiledField.add_to`."""
-        does, shape = self._does, np.zeros(6)
-        if does.oscillator == "matsuoka":
-            c = limit_cycle()
-            shape[:] = c.pace, c.swing, c.ahead, c.aside, np.cos(c.turn), np.sin(c.turn)
-        head = np.array(
-            [
-                *(KINDS[does.oscillator], does.claims, does.feedback, does.coupling),
-                *(len(self._swings), len(self._stretches), *self._ease, *shape),
-            ]
-        )
-        joints = np.array([self._joint(swing) for swing in self._swings])
-        assert head.shape == (HEAD,)
-        assert self._stretches.shape[1] == STRETCH
-        assert joints.shape[1] == JOINT
-        row = table.numbers(head, self._stretches, joints)
-        return table.field(RHYTHM, row, self.claims, duration=self._duration)
-
-    def _joint(self, swing: FloatArray) -> list[float]:
-        number, amplitude, lag, centre = swing.tolist()
-        dof, begin = int(number), np.zeros(STATES)
-        if self._does.oscillator == "hopf":
-            begin[:2] = np.cos(-lag), np.sin(-lag)
-        elif self._does.oscillator == "matsuoka":
-            cycle = limit_cycle()
-            begin = amplitude / cycle.swing * cycle.at(-lag)
-        gains = float(self._gains.stiffness[dof]), float(self._gains.damping[dof])
-        turned = float(np.cos(lag)), float(np.sin(lag))
-        return [number, *gains, centre, amplitude, lag, *turned, *begin.tolist()]
 
 
 def _check_pace(frequency: float | None, beats_per_cycle: float | None) -> None:

@@ -2,7 +2,8 @@
 
     tau = k (x + y - theta) + k_d (x' + y' - theta')
 
-is eq 1 of Mataric et al. (1999) about a centre x, with y the output of the joint's oscillator:
+is eq 1 of Mataric et al. (1999) about a centre x, with y the output of the joint's oscillator
+(`hand_rhythm` swings a hand in the same way):
 
     sine      y = A sin(2 pi f t + phase - lag)
     Hopf      y = A Im z,   z' = (alpha (1 - |z|^2) + i omega) z - i omega h g / A
@@ -39,7 +40,10 @@ BEGINS, UNTIL, FREQUENCY, STRETCH = range(4)  # [s], cycles until then, [Hz]; an
 DOF, STIFFNESS, DAMPING, CENTRE, AMPLITUDE, LAG, LAG_COS, LAG_SIN, FIRST = range(9)
 STATES = 4
 JOINT = FIRST + STATES
-REMEMBERS = 1 + STATES  # per joint: where it was, and its oscillator; before all, the time
+# Remembered per joint: where it was, how far it is from its centre, and its oscillator; before
+# all of them the time.
+START, OFF, STATE = range(3)
+REMEMBERS = STATE + STATES
 
 BETA = GAMMA = 2.5
 RETURN = 0.5  # alpha of the Hopf oscillator, as a share of omega
@@ -49,12 +53,20 @@ LONGEST = 1.0 / 100.0  # of the steps in which oscillators are integrated [cycle
 @compiled
 def begin_rhythm(x: Row, own: FloatArray, memory: FloatArray) -> None:
     """Remember where the joints are, and put their oscillators where they begin."""
+    begin_oscillators(own, memory)
+    for k in range(int(own[JOINTS])):
+        memory[1 + REMEMBERS * k + START] = x.qpos[x.dofs[int(own[joint_row(own, k) + DOF])].qpos]
+
+
+@compiled
+def begin_oscillators(own: FloatArray, memory: FloatArray) -> None:
+    """Put the oscillators where they begin."""
     memory[0] = 0.0
     for k in range(int(own[JOINTS])):
         row, at = joint_row(own, k), 1 + REMEMBERS * k
-        memory[at] = x.qpos[x.dofs[int(own[row + DOF])].qpos]
+        memory[at + START] = memory[at + OFF] = 0.0
         for s in range(STATES):
-            memory[at + 1 + s] = own[row + FIRST + s]
+            memory[at + STATE + s] = own[row + FIRST + s]
 
 
 @compiled
@@ -72,35 +84,41 @@ def rhythm(
         duration: when it is to be at rest again [s]; may be infinite.
         out: (nv,) [N m]
     """
-    if t > memory[0]:
-        if own[KIND] != SINE:
-            advance(x, own, memory, t)
-        memory[0] = t
-    grown, growth = envelope(own, t, duration)
     moved, speed = arrival(own, t)
+    for k in range(int(own[JOINTS])):
+        row, at = joint_row(own, k), 1 + REMEMBERS * k
+        angle = x.qpos[x.dofs[int(own[row + DOF])].qpos]
+        memory[at + OFF] = angle - memory[at + START] - moved * way_of(own, row, memory[at + START])
+    go_on(own, memory, t)
+    grown, growth = envelope(own, t, duration)
     cycles, frequency = cycles_at(own, t), frequency_at(own, t)
     for k in range(int(own[JOINTS])):
         row, at = joint_row(own, k), 1 + REMEMBERS * k
-        j, way = int(own[row + DOF]), way_of(own, row, memory[at])
-        off = x.qpos[x.dofs[j].qpos] - memory[at] - moved * way  # from the centre
-        if own[KIND] == SINE:
-            phase = 2.0 * np.pi * cycles - own[row + LAG]
-            y = own[row + AMPLITUDE] * np.sin(phase)
-            rate = own[row + AMPLITUDE] * 2.0 * np.pi * frequency * np.cos(phase)
-        elif own[KIND] == HOPF:
-            y = own[row + AMPLITUDE] * memory[at + 2]
-            rate = own[row + AMPLITUDE] * 2.0 * np.pi * frequency * memory[at + 1]
-        else:
-            s = states(memory, at)
-            y = max(s[0], 0.0) - max(s[2], 0.0)
-            drive = own[row + AMPLITUDE] / own[SWING]
-            d = _matsuoka(s, drive, own[FEEDBACK] * off, own[PACE] / frequency)
-            rate = (d[0] if s[0] > 0.0 else 0.0) - (d[2] if s[2] > 0.0 else 0.0)
+        j = int(own[row + DOF])
+        y, rate = output(own, memory, k, cycles, frequency)
         pull, lead = grown * y, grown * rate + growth * y
         if own[HOLDS] != 0.0:
-            pull -= off
-            lead += speed * way - x.qvel[j]
+            pull -= memory[at + OFF]
+            lead += speed * way_of(own, row, memory[at + START]) - x.qvel[j]
         out[j] += own[row + STIFFNESS] * pull + own[row + DAMPING] * lead
+
+
+@compiled
+def output(
+    own: FloatArray, memory: FloatArray, k: int, cycles: float, frequency: float
+) -> tuple[float, float]:
+    """What the k-th oscillator says, fully grown, and its rate [1/s]."""
+    row, at = joint_row(own, k), 1 + REMEMBERS * k
+    turning = own[row + AMPLITUDE] * 2.0 * np.pi * frequency
+    if own[KIND] == SINE:
+        phase = 2.0 * np.pi * cycles - own[row + LAG]
+        return own[row + AMPLITUDE] * np.sin(phase), turning * np.cos(phase)
+    if own[KIND] == HOPF:
+        return own[row + AMPLITUDE] * memory[at + STATE + 1], turning * memory[at + STATE]
+    s, drive = states(memory, at), own[row + AMPLITUDE] / own[SWING]
+    d = _matsuoka(s, drive, own[FEEDBACK] * memory[at + OFF], own[PACE] / frequency)
+    rate = (d[0] if s[0] > 0.0 else 0.0) - (d[2] if s[2] > 0.0 else 0.0)
+    return max(s[0], 0.0) - max(s[2], 0.0), rate
 
 
 @compiled
@@ -119,7 +137,7 @@ def way_of(own: FloatArray, row: int, start: float) -> float:
 @compiled
 def states(memory: FloatArray, at: int) -> States:
     """The oscillator of the joint whose memory begins at `at`."""
-    return memory[at + 1], memory[at + 2], memory[at + 3], memory[at + 4]
+    return memory[at + 2], memory[at + 3], memory[at + 4], memory[at + 5]
 
 
 @compiled
@@ -171,13 +189,19 @@ def envelope(own: FloatArray, t: float, duration: float) -> tuple[float, float]:
 
 
 @compiled
-def advance(x: Row, own: FloatArray, memory: FloatArray, t: float) -> None:
-    """Integrate the oscillators to time t; the joints count as where they are now."""
+def go_on(own: FloatArray, memory: FloatArray, t: float) -> None:
+    """Integrate the oscillators to time t, if it is later than when they were last asked.
+
+    What they listen to, memory[at + OFF], counts as what it is now.
+    """
+    if t <= memory[0]:
+        return
     cycles = cycles_at(own, t) - cycles_at(own, memory[0])
-    steps = int(cycles / LONGEST) + 1
-    turn, joints = cycles / steps, int(own[JOINTS])
-    moved, _ = arrival(own, t)
-    coupled = joints > 1 and own[COUPLING] > 0.0
+    memory[0] = t
+    if own[KIND] == SINE:
+        return
+    steps, joints = int(cycles / LONGEST) + 1, int(own[JOINTS])
+    turn, coupled = cycles / steps, joints > 1 and own[COUPLING] > 0.0
     for _step in range(steps):
         mean_cos = mean_sin = 0.0
         if coupled:
@@ -187,14 +211,12 @@ def advance(x: Row, own: FloatArray, memory: FloatArray, t: float) -> None:
                 mean_sin += s / joints
         for k in range(joints):
             row, at = joint_row(own, k), 1 + REMEMBERS * k
-            angle = x.qpos[x.dofs[int(own[row + DOF])].qpos]
-            push = own[FEEDBACK] * (angle - memory[at] - moved * way_of(own, row, memory[at]))
-            own_turn = turn
+            push, own_turn = own[FEEDBACK] * memory[at + OFF], turn
             if coupled:
                 c, s = phase_of(own, k, memory)
                 own_turn *= 1.0 + own[COUPLING] * (mean_sin * c - mean_cos * s)
             if own[KIND] == HOPF:
-                hopf_step(memory, at, push / own[row + AMPLITUDE], own_turn)
+                hopf_step(memory, at + STATE, push / own[row + AMPLITUDE], own_turn)
             else:
                 drive = own[row + AMPLITUDE] / own[SWING]
                 matsuoka_step(memory, at, drive, push, own_turn / own[PACE])
@@ -222,12 +244,12 @@ def hopf_step(memory: FloatArray, at: int, push: float, turn: float) -> None:
     """Turn by a share of a cycle, be pushed, and return towards the circle: each exactly."""
     angle = 2.0 * np.pi * turn
     c, s = np.cos(angle), np.sin(angle)
-    real = memory[at + 1] * c - memory[at + 2] * s
-    imaginary = memory[at + 1] * s + memory[at + 2] * c - angle * push
+    real = memory[at] * c - memory[at + 1] * s
+    imaginary = memory[at] * s + memory[at + 1] * c - angle * push
     squared = real * real + imaginary * imaginary
     left = np.exp(-2.0 * RETURN * angle)
     scale = 1.0 / np.sqrt(squared + (1.0 - squared) * left)
-    memory[at + 1], memory[at + 2] = scale * real, scale * imaginary
+    memory[at], memory[at + 1] = scale * real, scale * imaginary
 
 
 def matsuoka(s: States, drive: float, push: float, t1: float) -> States:
@@ -259,4 +281,4 @@ def matsuoka_step(memory: FloatArray, at: int, drive: float, push: float, h: flo
     c = _matsuoka(moved_by(s, 0.5 * h, b), drive, push, 1.0)
     d = _matsuoka(moved_by(s, h, c), drive, push, 1.0)
     for i, (p, q, r, v) in enumerate(zip(a, b, c, d)):  # noqa: B905
-        memory[at + 1 + i] += h / 6.0 * (p + 2.0 * q + 2.0 * r + v)
+        memory[at + STATE + i] += h / 6.0 * (p + 2.0 * q + 2.0 * r + v)

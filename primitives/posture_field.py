@@ -6,11 +6,11 @@ from typing import Literal
 
 import numpy as np
 
-from primitives.compiled_field import CompiledField
+from primitives.goal_field import GoalField
 from primitives.primitive import FloatArray, IntArray
 from primitives.set_point import Profile, weights_at
 from primitives.table import PD_SERVO, TORQUE_FIELD, TableBuilder
-from sim import Body, State
+from sim import Body
 
 JointController = Literal["pd-servo", "torque-field"]
 
@@ -48,7 +48,7 @@ def joint_gains(
     return gains
 
 
-class PostureField(CompiledField):
+class PostureField(GoalField):
     """Moves joints through postures to a last one: see `pd_servo` and `torque_field`.
 
     Args:
@@ -93,11 +93,6 @@ class PostureField(CompiledField):
     def too_far(self) -> float:
         """By how much the goal is out of reach [m]; 0 if it is not."""
         return self._miss if self._miss > CLOSE_ENOUGH else 0.0
-
-    def jacobian(self, state: State) -> FloatArray:
-        """Of what it controls, its joints: (n, joints, nv)."""
-        rows = np.eye(self._body.nv)[self.claims]
-        return np.broadcast_to(rows, (state.n, *rows.shape))
 
     def set_point(self, t: FloatArray, start: FloatArray, dofs: Sequence[int]) -> FloatArray:
         """Where a servo wants some joints to be, for the record.

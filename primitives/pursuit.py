@@ -104,17 +104,26 @@ def moving_point(
 
 
 @compiled
-def pursuit_force(
+def catch_up(
     x: Row, r: Record, place: Vector, velocity: Vector, memory: FloatArray, t: float, settle: float
-) -> Vector:
-    """Force on the palm [N], t seconds into a pursuit that sets in within `settle` seconds."""
-    s = min(t / settle, 1.0)
-    late, rate = minimum_jerk(s), 30.0 * s * s * (1.0 - s) * (1.0 - s) / settle
+) -> tuple[Vector, Vector]:
+    """A point on its way from where the palm was to a moving place [m], and its velocity [m/s].
+
+    It is there after `settle` seconds.
+    """
+    s = min(t / settle, 1.0) if settle > 0.0 else 1.0
+    late = minimum_jerk(s)
+    rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) / settle if s < 1.0 else 0.0
     start = to_world(x, r.root, (memory[0], memory[1], memory[2]))
     gap = subtract(place, start)
     carried = point_velocity(x, r.root, start)
-    wanted = add(start, scale(late, gap))
     speed = add(carried, add(scale(late, subtract(velocity, carried)), scale(rate, gap)))
+    return add(start, scale(late, gap)), speed
+
+
+@compiled
+def pull_to(x: Row, r: Record, wanted: Vector, speed: Vector) -> Vector:
+    """Force on the palm [N] of the spring and the damper that hold it to a moving point."""
     palm = palm_position(x, r)
     return add(
         scale(r.stiffness, subtract(wanted, palm)),

@@ -6,12 +6,12 @@ from typing import Literal
 import numpy as np
 
 from primitives.compiled import Records
-from primitives.compiled_field import CompiledField
+from primitives.goal_field import GoalField
 from primitives.impedance import POINT, REACH
 from primitives.primitive import FloatArray
 from primitives.set_point import Profile, weights_at
 from primitives.table import ENDPOINT_FORCE, IMPEDANCE, TableBuilder
-from sim import Arm, Body, Spot, State
+from sim import Arm, Body, Spot
 
 CartesianController = Literal["impedance", "endpoint-force"]
 
@@ -28,7 +28,7 @@ class HandGoal:
     by_neutral: bool = False  # whether half a turn of the palm goes as the forearm can turn
 
 
-class ReachField(CompiledField):
+class ReachField(GoalField):
     """Brings a palm through via points to a goal: see `impedance` and `endpoint_force`.
 
     Args:
@@ -66,23 +66,6 @@ class ReachField(CompiledField):
         place = self._body.at_home(goal.link, goal.point)
         shoulder = self._body.at_home(self._arm.upper_arm, np.zeros(3))
         return max(0.0, float(np.linalg.norm(place - shoulder)) - self._body.reach(self._arm))
-
-    def jacobian(self, state: State) -> FloatArray:
-        """Of what it controls: the place of the palm, and its turn if that has a goal.
-
-        Returns:
-            (n, 3 or 6, nv): linear velocity of the palm, then its angular velocity, by joint.
-        """
-        body, hand = self._body, self._arm.hand
-        turn = state.xmat[:, hand].reshape(-1, 3, 3)
-        palm = state.xpos[:, hand] + turn @ self._arm.palm.point
-        centre = state.subtree_com[:, body.model.body_rootid[hand]]
-        axes = np.where(body.ancestors[hand][:, None], state.cdof, 0.0)
-        angular, linear = axes[..., :3], axes[..., 3:]
-        linear = linear + np.cross(angular, (palm - centre)[:, None])
-        turns = self._goal.normal is not None or self._goal.fingers is not None
-        parts = [linear, angular] if turns else [linear]
-        return np.concatenate([p.transpose(0, 2, 1) for p in parts], axis=1)
 
     def weights(self, t: FloatArray) -> FloatArray:
         """Weights (k, 1 + places) of start, via points and goal in the set point, at t (k,) [s]."""

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from primitives.compiled_field import CompiledField
+from primitives.goal_field import GoalField
 from primitives.posture_field import JointGains
 from primitives.primitive import IntArray
 from primitives.table import PD_SERVO, TableBuilder
 from sim import Body
 
 
-class StayField(CompiledField):
+class StayField(GoalField):
     """A servo whose movement never ends, so that its set point stays where it began."""
 
     passive = True

@@ -14,13 +14,22 @@ from primitives.compiled import Record, Records, compiled
 from primitives.endpoint_force import endpoint_force
 from primitives.gaze import begin_gaze, gaze, gaze_error, looking_at
 from primitives.gravity import carry_weight, hang_loose
-from primitives.impedance import POINT, REACH, begin_reach, impedance, palm_position, pull_hand
+from primitives.hand_rhythm import begin_hand_rhythm, swing_hand
+from primitives.impedance import (
+    POINT,
+    REACH,
+    REMEMBERED,
+    begin_reach,
+    impedance,
+    palm_position,
+    pull_hand,
+)
 from primitives.mechanics import Row, dot, subtract, to_world, vector
 from primitives.oscillator import JOINTS, REMEMBERS, begin_rhythm, rhythm
 from primitives.pd_servo import pd_servo
 from primitives.pointing import begin_pointing, point_arm, pointing_at, pointing_error
 from primitives.profiles import minimum_jerk
-from primitives.pursuit import SINCE, moving_point, pursuit_error, pursuit_force
+from primitives.pursuit import SINCE, catch_up, moving_point, pull_to, pursuit_error
 from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR, TOUCH, repel
 from primitives.set_point import (
     MOST_KNOTS,
@@ -35,12 +44,13 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 PLAIN, PD_SERVO, TORQUE_FIELD, IMPEDANCE, ENDPOINT_FORCE, GUARDING, WEIGHT, RHYTHM = range(8)
-GAZE, POINT_ARM, PURSUIT, LOOSE = range(8, 12)
+GAZE, POINT_ARM, PURSUIT, LOOSE, HAND_RHYTHM = range(8, 13)
 
 # `row` is where the field's own numbers begin: in `numbers` (PD_SERVO, TORQUE_FIELD, WEIGHT,
-# RHYTHM, GAZE, POINT_ARM, LOOSE), `reaches` (IMPEDANCE, ENDPOINT_FORCE, PURSUIT), `guards`
-# (GUARDING), or its place among the plain fields (PLAIN). A PURSUIT keeps a trajectory of `knots`
-# points in `numbers`, from `curve` on.
+# RHYTHM, GAZE, POINT_ARM, LOOSE), `reaches` (IMPEDANCE, ENDPOINT_FORCE, PURSUIT, HAND_RHYTHM),
+# `guards` (GUARDING), or its place among the plain fields (PLAIN). A PURSUIT keeps a trajectory of
+# `knots` points in `numbers`, from `curve` on; a HAND_RHYTHM its oscillators there, and `knots` is
+# 1 if it has a centre of its own.
 FIELD = np.dtype(
     [
         *(("kind", np.int32), ("row", np.int32), ("curve", np.int32), ("knots", np.int32)),
@@ -173,6 +183,9 @@ def memory_size(table: FieldTable) -> int:
         if field["kind"] == RHYTHM:
             joints = int(table.numbers[field["row"] + JOINTS])
             most = max(most, 1 + REMEMBERS * joints)
+        if field["kind"] == HAND_RHYTHM:
+            axes = int(table.numbers[field["curve"] + JOINTS])
+            most = max(most, REMEMBERED + 1 + REMEMBERS * axes)
     return most
 
 
@@ -188,6 +201,8 @@ def begin_field(table: FieldTable, f: int, x: Row, memory: FloatArray) -> None:
         begin_reach(x, table.reaches[field.row], memory)
     elif field.kind == RHYTHM:
         begin_rhythm(x, table.numbers[field.row :], memory)
+    elif field.kind == HAND_RHYTHM:
+        begin_hand_rhythm(x, table.reaches[field.row], table.numbers[field.curve :], memory)
     elif field.kind == PURSUIT:
         begin_reach(x, table.reaches[field.row], memory)
         memory[SINCE] = 0.0
@@ -278,7 +293,8 @@ def add_torque(
         place, velocity = moving_point(
             x, reach, table.points, table.numbers[field.curve :], knots, t
         )
-        force = pursuit_force(x, reach, place, velocity, memory, t, field.duration)
+        wanted, speed = catch_up(x, reach, place, velocity, memory, t, field.duration)
+        force = pull_to(x, reach, wanted, speed)
         pull_hand(x, reach, memory, t / field.duration, force, out)
     elif field.kind == LOOSE:
         own = table.numbers[field.row : field.row + nv + 3]
@@ -295,6 +311,11 @@ def add_torque(
         carry_weight(x, table.numbers[field.row : field.row + 3], out)
     elif field.kind == RHYTHM:
         rhythm(x, table.numbers[field.row :], memory, t, field.duration, out)
+    elif field.kind == HAND_RHYTHM:
+        own = table.numbers[field.curve :]
+        swing_hand(
+            x, table.reaches[field.row], table.points, own, knots, memory, t, field.duration, out
+        )
 
 
 @compiled

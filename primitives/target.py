@@ -20,7 +20,7 @@ class Target(BaseModel):
     hand: str | None = None  # a limb: the centre of its palm
     away: float = 0.0  # this far out along the normal of the landmark or palm [m]
     point: Vector | None = None  # forward, left, up of the trunk's origin [m]
-    offset: Vector = (0.0, 0.0, 0.0)  # added, in the axes of the link that the place is on [m]
+    offset: Vector = (0.0, 0.0, 0.0)  # added: forward, left, up at home; it turns with the link [m]
 
     @model_validator(mode="after")
     def _one_of(self) -> Self:
@@ -51,7 +51,7 @@ def locate(body: Body, said: str | Target, root: int) -> Spot:
     if target.point is not None:
         return Spot(root, body.to_link(root, np.add(target.point, target.offset)), np.zeros(3))
     spot = body.arm(target.hand).palm if target.hand else body.landmark(target.near or "")
-    out = target.away * spot.normal + np.array(target.offset)
+    out = target.away * spot.normal + body.to_link(spot.link, np.array(target.offset))
     return Spot(spot.link, spot.point + out, spot.normal)
 
 

@@ -8,7 +8,7 @@ part, and `Recording.load` reads what is in it.
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -50,6 +50,9 @@ class Span:
         return self.began if np.isfinite(self.began) else self.start
 
 
+SPAN = tuple(part.name for part in fields(Span))
+
+
 @dataclass(frozen=True)
 class Recording:
     """One simulation: row k is the state at time[k] and the torque that was then applied."""
@@ -63,6 +66,7 @@ class Recording:
     spans: tuple[Span, ...]  # of the sub-tasks
     model_xml: str  # the model that was run
     about: Mapping[str, Any] = field(default_factory=dict)  # task, body map, versions, seed …
+    rounds: tuple[Span, ...] = ()  # of sub-tasks that were done over, before the last of each
     complete: bool = True  # False when it was read from the part that a killed run left
 
     @cached_property
@@ -89,11 +93,10 @@ class Recording:
         path = Path(path)
         arrays = {key: getattr(self, key) for key in UNITS}
         arrays["names"] = np.array(self.names)
-        arrays["span_name"] = np.array([s.name for s in self.spans])
-        arrays["span_start"] = np.array([s.start for s in self.spans])
-        arrays["span_began"] = np.array([s.first for s in self.spans])
-        arrays["span_end"] = np.array([s.end for s in self.spans])
-        arrays["span_outcome"] = np.array([s.outcome for s in self.spans])
+        for what, spans in (("span", self.spans), ("round", self.rounds)):
+            for part in SPAN:
+                kind = str if part in {"name", "outcome"} else float
+                arrays[f"{what}_{part}"] = np.array([getattr(s, part) for s in spans], dtype=kind)
         arrays["model_xml"] = np.array(self.model_xml)
         about = {**self.about, "units": UNITS, "complete": self.complete}
         arrays["about"] = np.array(json.dumps(about, sort_keys=True))
@@ -132,16 +135,19 @@ class Recording:
     @classmethod
     def _from_npz(cls, path: Path) -> "Recording":
         with path.open("rb") as file, np.load(file, allow_pickle=False) as f:
-            began = "span_began" if "span_began" in f else "span_start"
-            columns = ("span_name", "span_start", "span_end", "span_outcome", began)
-            spans = zip(*(f[column] for column in columns), strict=True)
+            spans, rounds = (
+                tuple(
+                    Span(str(n), float(a), float(b), str(o), float(c))
+                    for n, a, b, o, c in zip(*(f[f"{what}_{part}"] for part in SPAN), strict=True)
+                )
+                for what in ("span", "round")
+            )
             about = json.loads(str(f["about"]))
             return cls(
                 **{key: f[key] for key in UNITS},
                 names=tuple(str(n) for n in f["names"]),
-                spans=tuple(
-                    Span(str(n), float(a), float(b), str(o), float(c)) for n, a, b, o, c in spans
-                ),
+                spans=spans,
+                rounds=rounds,
                 model_xml=str(f["model_xml"]),
                 about=about,
                 complete=bool(about.get("complete", True)),
@@ -232,7 +238,11 @@ class Recorder:
             self._flush()
 
     def finish(
-        self, spans: Sequence[tuple[Span, ...]], *, complete: bool = True
+        self,
+        spans: Sequence[tuple[Span, ...]],
+        rounds: Sequence[tuple[Span, ...]] = (),
+        *,
+        complete: bool = True,
     ) -> tuple[Recording, ...]:
         """A recording of each simulation; the part is kept until `discard_part`."""
         self._flush()
@@ -240,7 +250,10 @@ class Recorder:
             self._file.close()
         rows = [np.concatenate(arrays) for arrays in zip(*self._full, strict=True)]
         return tuple(
-            _recording(rows, i, self._names, spans[i], self._model_xml, self._about, complete)
+            replace(
+                _recording(rows, i, self._names, spans[i], self._model_xml, self._about, complete),
+                rounds=rounds[i] if rounds else (),
+            )
             for i in range(rows[0].shape[1])
         )
 

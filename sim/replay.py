@@ -4,7 +4,7 @@ Every figure here comes from the recorded joint angles and the recorded model by
 own kinematics and collision detection. Nothing is shared with the controllers.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -64,6 +64,21 @@ class Replay:
         """Poses of a link."""
         index = self._id(mujoco.mjtObj.mjOBJ_BODY, "link", name)
         return Poses(self._link[0][:, index], self._link[1][:, index].reshape(-1, 3, 3))
+
+    def turned(self, name: str, home: Mapping[str, float]) -> Poses:
+        """Poses of a link; its axes are those that are forward, left and up at home.
+
+        Args:
+            name: of the link.
+            home: angles of joints [deg]; the others are as the model has them.
+        """
+        self._data.qpos[:] = self.model.qpos0
+        for joint, angle in home.items():
+            index = self._id(mujoco.mjtObj.mjOBJ_JOINT, "joint", joint)
+            self._data.qpos[self.model.jnt_qposadr[index]] = np.deg2rad(angle)
+        mujoco.mj_kinematics(self.model, self._data)
+        index, now = self._id(mujoco.mjtObj.mjOBJ_BODY, "link", name), self.link(name)
+        return Poses(now.position, now.axes @ self._data.xmat[index].reshape(3, 3).T)
 
     def point(self, spot: Spot) -> FloatArray:
         """Where a point that is fixed to a link was (T, 3) [m]."""

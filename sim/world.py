@@ -57,7 +57,7 @@ class World:
         n: how many simulations.
         threads: how many threads step them; the results do not depend on it.
         pushes: forces from outside.
-        inertia: whether `state.M` is kept; strict priorities need it.
+        inertia: whether `state.M` is kept.
 
     Raises:
         BodyError: a push names a link that the body lacks.

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,7 +23,7 @@ from specs.blame import told
 from specs.conditions import BoundCondition, Condition, bind_condition
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
-from specs.groups import check_groups
+from specs.groups import check_groups, together
 from specs.ordering import Known, members, order_of
 from specs.reading import Document, Path_
 from specs.task import Background, SubTask, TaskSpec, keys_of
@@ -56,11 +57,6 @@ class BoundTask:
     def grouped(self) -> frozenset[str]:
         """Names that are in a group; in the background they do not give way, they co-act."""
         return frozenset(member for group in self.spec.groups for member in group.members)
-
-    @property
-    def needs_inertia(self) -> bool:
-        """Whether a group has strict priorities, for which a state needs its inertia."""
-        return any(group.rule == "null-space" for group in self.spec.groups)
 
     @property
     def may_wait(self) -> bool:
@@ -98,11 +94,11 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
         )
         for name in graph.order
     )
-    _check_claims(graph, fields, body, document, places)
-    _check_goals(graph, fields, document, places)
     named = dict(zip((b.name for b in spec.background), background, strict=True))
     named |= zip(graph.order, fields, strict=True)
     check_groups(spec.groups, named, document)
+    _check_claims(graph, fields, body, document, places)
+    _check_goals(graph, fields, document, places)
     _check_limp(spec, document)
     if spec.safety == "filter":
         _check_safety(spec, body, document)
@@ -273,7 +269,7 @@ def _check_claims(
     document: Document,
     places: Mapping[str, Path_],
 ) -> None:
-    """Whatever claims a joint must do so one at a time: in order, or on different branches."""
+    """Who claims a joint does so one at a time: in order or on other branches; or in a group."""
     masks: dict[int, int] = {}  # per joint, who claims it
     branches: dict[int, Known] = {}
     uncertain = any(s.depends or s.while_ for s in graph.spec.subtasks)
@@ -286,10 +282,20 @@ def _check_claims(
             for a in members(masks.get(dof, 0) & ~known.over):
                 if a in branches and branches[a].excludes(known):
                     continue
+                other, joint = graph.order[a], body.dof_name(dof)
+                if together(name, other, graph.spec.groups):
+                    continue  # both act, and a rule decides
+                if graph.subtasks[name].policy == "any" and nx.has_path(graph.graph, other, name):
+                    raise document.error(
+                        f"{name!r} begins when any of those before it is over, and {other!r} may"
+                        f" still run then, but both claim {joint}: 'after: {{first: …}}' ends the"
+                        " others",
+                        (*places[name], "after"),
+                    )
                 neither = "they may run at once" if uncertain else "neither comes after the other"
                 raise document.error(
-                    f"{name!r} and {graph.order[a]!r} both claim {body.dof_name(dof)}, and"
-                    f" {neither}: name one in the other's 'after'",
+                    f"{name!r} and {other!r} both claim {joint}, and {neither}: name one in the"
+                    " other's 'after'",
                     places[name],
                 )
             masks[dof] = masks.get(dof, 0) | 1 << b

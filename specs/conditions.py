@@ -71,10 +71,19 @@ class Join(_Part):
 
 
 class Repeat(_Part):
-    """How often a sub-task is done over: until a condition holds at the end of a round."""
+    """What is done over, and how often: until a condition holds at the end of a round."""
 
-    until: Condition
-    times: Times  # at most
+    model_config = ConfigDict(populate_by_name=True)
+
+    from_: Annotated[Name | None, Field(alias="from")] = None  # all from there on; default: itself
+    until: Condition | None = None
+    times: Times  # at most, if it is until something
+
+    @model_validator(mode="after")
+    def _says_more(self) -> Self:
+        if self.from_ is None and self.until is None:
+            raise ValueError(f"write repeat: {self.times}, or say until when or from where")
+        return self
 
 
 @dataclass(frozen=True)

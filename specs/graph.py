@@ -8,6 +8,7 @@ import networkx as nx
 from sim import unknown
 from specs.conditions import Join
 from specs.reading import Document, Path_
+from specs.repeating import check_chains
 from specs.task import SubTask, TaskSpec
 
 AFTER, OTHERWISE, WHILE = "after", "otherwise", "while"  # kinds of edges
@@ -42,7 +43,9 @@ class TaskGraph:
                 continue
             ends = [self._leaves(p, name, times[p]) for p in self.graph.predecessors(name)]
             start = (max if subtask.policy == "all" else min)(ends, default=0.0)
-            times[name] = start, start + subtask.times * self.spec.duration(subtask)
+            lasts, again = self.spec.duration(subtask), subtask.times - 1
+            whole = lasts if subtask.first is None else start + lasts - times[subtask.first][0]
+            times[name] = start, start + lasts + again * whole
         return times
 
     def _leaves(self, name: str, to: str, planned: tuple[float, float]) -> float:
@@ -79,8 +82,8 @@ def build_graph(spec: TaskSpec, document: Document | None = None) -> TaskGraph:
         document: what it was read from, so that errors can say where.
 
     Raises:
-        SpecError: a sub-task waits for one that does not exist, or for itself, or is to begin
-            for two reasons.
+        SpecError: a sub-task waits for one that does not exist, or for itself, is to begin for
+            two reasons, or repeats what cannot be repeated.
     """
     document = document or Document(None, "")
     names = {s.name: i for i, s in enumerate(spec.subtasks)}
@@ -106,6 +109,7 @@ def build_graph(spec: TaskSpec, document: Document | None = None) -> TaskGraph:
         shown = " -> ".join([*cycle, cycle[0]])
         place = ("subtasks", names[cycle[0]], "after")
         raise document.error(f"these sub-tasks wait for each other: {shown}", place)
+    check_chains(graph, spec.subtasks, names, document)
     return TaskGraph(spec, graph)
 
 

@@ -86,6 +86,11 @@ def leaves(name: str, groups: Sequence[Group]) -> list[str]:
     return [leaf for member in inner[name].members for leaf in leaves(member, groups)]
 
 
+def together(one: str, other: str, groups: Sequence[Group]) -> bool:
+    """Whether two names are in one group, however deep: then a rule says what becomes of both."""
+    return any({one, other} <= set(leaves(group.name, groups)) for group in groups)
+
+
 def _check_priorities(
     group: Group,
     groups: Sequence[Group],
@@ -115,4 +120,4 @@ def _check_priorities(
             taken |= {int(dof) for f in own if f.unit == "rad" for dof in f.claims}
 
 
-__all__ = ["Group", "Rule", "SpecError", "check_groups", "leaves"]
+__all__ = ["Group", "Rule", "SpecError", "check_groups", "leaves", "together"]

@@ -63,6 +63,10 @@ class SubTask(_Doing):
         reasons = (self.timeout, self.if_, self.until)
         if self.otherwise is not None and all(reason is None for reason in reasons):
             raise ValueError("otherwise goes with a timeout, with if, or with repeat: until")
+        if self.if_ is not None and self.first is not None:
+            raise ValueError(
+                "what ends a repeated chain has no 'if': it would not know when to end"
+            )
         if self.while_ is not None and not self._only_while:
             raise ValueError("while goes without after, if, done, otherwise and repeat")
         return self
@@ -76,6 +80,11 @@ class SubTask(_Doing):
     def until(self) -> Condition | None:
         """What it is repeated until."""
         return self.repeat.until if isinstance(self.repeat, Repeat) else None
+
+    @property
+    def first(self) -> str | None:
+        """What it repeats everything from, if that is not itself."""
+        return self.repeat.from_ if isinstance(self.repeat, Repeat) else None
 
     @property
     def times(self) -> int:
@@ -108,10 +117,13 @@ class SubTask(_Doing):
             said.append(f"while {self.while_}")
         if self.done != "on-time":
             said.append(f"until {self.done}")
+        whence = f" from {self.first}" if self.first else ""
         if self.until:
-            said.append(f"repeated until {self.until}, at most {self.times} times")
+            said.append(f"repeated{whence} until {self.until}, at most {self.times} times")
         elif self.times > 1:
-            said.append(f"{self.times} times")
+            said.append(
+                f"repeated{whence}, {self.times} times" if whence else f"{self.times} times"
+            )
         return ", ".join(said)
 
 

@@ -50,5 +50,5 @@ def _step(step: Background | SubTask) -> dict[str, Any]:
 def _plain(value: Any) -> Any:
     """A value as YAML writes it."""
     if isinstance(value, BaseModel):
-        return value.model_dump(mode="json", exclude_defaults=True)
+        return value.model_dump(mode="json", exclude_defaults=True, by_alias=True)
     return list(value) if isinstance(value, tuple) else value

@@ -10,7 +10,7 @@ from adonis.judging import judge
 from adonis.reporting import saturation
 from adonis.verdicts import Judgement
 from primitives import GoToPoint, Place
-from sim import Body, BodyMap, Push, adonis
+from sim import Body, BodyMap, Push, World, adonis
 from sim.anthropometry import FEMALE
 from specs import SubTask, TaskSpec, bind_task, load_task, task_from_text, with_tempo
 
@@ -235,3 +235,39 @@ subtasks:
     torque[recording.row(1.05), 6] += 20.0
     jumped = judge(replace(recording, torque=torque), spec)
     assert "hand-over torque step" in failed(jumped)
+
+
+# --- in which frame -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("primitive", ["go-to-point", "follow"])
+def test_an_offset_is_that_of_the_home_posture_and_turns_with_the_arm(
+    body: Body, primitive: str
+) -> None:
+    """The forearm is turned by about 90 degrees from how it hangs; where the palm has to be is
+    put together here from MuJoCo's own poses."""
+    text = f"""
+task: offset
+background: [{{name: weight, primitive: compensate-gravity}},
+  {{name: upright, primitive: get-posture, joints: [waist, neck], posture: upright}}]
+subtasks:
+  - {{name: out, primitive: get-posture, limb: right_arm, posture: {{arm: forward, palm: left}}}}
+  - {{name: beside, primitive: {primitive}, limb: left_arm, beats: 2,
+     to: {{near: right_elbow.inside, away: 0.02, offset: [0.05, 0.1, 0.08]}}}}
+"""
+    spec, document = task_from_text(text)
+    (recording,) = run_task(bind_task(spec, body, document))
+    judgement = judge(recording, spec)
+    assert judgement.verdicts[1].success, judgement.verdicts[1].measures
+    world = World(body, 2)
+    world.reset(np.array([body.home, recording.qpos[-1]]))
+    mark, palm = body.landmark("right_elbow.inside"), body.arm("left_arm").palm
+    home, now = world.state.xmat[:, mark.link].reshape(2, 3, 3)
+    out = now @ (mark.point + 0.02 * mark.normal) + now @ home.T @ (0.05, 0.1, 0.08)
+    goal = world.state.xpos[1, mark.link] + out
+    hand = world.state.xmat[1, palm.link].reshape(3, 3) @ palm.point
+    off = np.linalg.norm(world.state.xpos[1, palm.link] + hand - goal)
+    assert off < 0.015
+    assert np.linalg.norm(now @ home.T - np.eye(3)) > 1.0
+    at_the_end = judgement.verdicts[1].measures[-1].value
+    assert at_the_end == pytest.approx(off, abs=0.005)

@@ -1,11 +1,13 @@
 """Combination rules: what each promises, on random states and in real physics."""
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
 from adonis.dancing import random_start, run_task
 from arbiter import Arbiter, ArbiterError
-from primitives import CompensateGravity, GetPosture, GoToPoint
+from primitives import CompensateGravity, Follow, GetPosture, GoToPoint, Hold, Primitive
 from sim import Body, State, World, joint_inertia
 from specs import Background, Group, SpecError, SubTask, TaskSpec, bind_task, task_from_text
 
@@ -58,6 +60,14 @@ LEVELS = {
     "three levels": (
         {"waist": posture("waist"), "hand": reach("right"), "arm": posture("right_arm")},
         ("waist", "hand", "arm"),
+    ),
+    "a follower over what is held": (
+        {"hand": Follow(limb="right_arm", to="left_hip"), "arm": Hold(limb="right_arm")},
+        ("hand", "arm"),
+    ),
+    "what is held over a hand": (
+        {"waist": Hold(joints=("waist", "right_elbow")), "hand": reach("right")},
+        ("waist", "hand"),
     ),
     "without the waist": (
         {"hand": reach("left", "belly.front"), "arm": posture("left_arm")},
@@ -113,12 +123,73 @@ def test_priorities_that_mean_nothing_are_refused(body: Body, members, said: str
         asked(body, (Group(name="all", rule="null-space", members=members),), **fields)
 
 
-def test_strict_priorities_need_the_inertia(body: Body) -> None:
-    fields, order = LEVELS["one arm"]
-    arbiter, _ = asked(body, (Group(name="all", rule="null-space", members=order),), **fields)
-    world = World(body, 6)
-    with pytest.raises(ArbiterError, match="inertia=True"):
-        arbiter.torque(world.state)
+class Aim(Primitive):
+    """Like a servo on one joint, in plain Python."""
+
+    kind: Literal["aim"] = "aim"
+    joint: str
+    rows: int = 1
+
+    def bind(self, body: Body, duration: float) -> "AimField":
+        return AimField(body.joints(self.joint), self.rows)
+
+
+class AimField:
+    unit = "rad"
+
+    def __init__(self, dofs: np.ndarray, rows: int) -> None:
+        self.claims, self.rows = dofs, rows
+
+    def begin(self, state: State, who: np.ndarray) -> None:
+        pass
+
+    def torque(self, state: State, t: np.ndarray) -> np.ndarray:
+        return -5.0 * state.qvel * self.jacobian(state)[:, 0]
+
+    def error(self, state: State) -> np.ndarray:
+        return np.abs(state.qpos[:, self.claims[0]])
+
+    def jacobian(self, state: State) -> np.ndarray:
+        return np.tile(np.eye(state.qvel.shape[1])[self.claims], (state.n, self.rows, 1))
+
+
+def test_what_is_plain_python_can_come_first(body: Body) -> None:
+    fields = {"aim": Aim(joint="right_elbow"), "hand": reach("right")}
+    group = Group(name="all", rule="null-space", members=("aim", "hand"))
+    arbiter, world = asked(body, (group,), **fields)
+    arbiter.torque(world.state)
+    jacobian = arbiter.task.background[0].jacobian(world.state)
+    made = arbiter.contribution
+    moved, hand = (
+        accelerations(body, world.state, made[:, 1], rows)
+        for rows in (jacobian, arbiter.task.background[1].jacobian(world.state))
+    )
+    assert np.abs(moved).max() < 1e-10 * np.abs(hand).min()
+    wrong = r"jacobian of 'aim' is of shape \(6, 99, 20\); expected"
+    with pytest.raises(ArbiterError, match=wrong):
+        asked(body, (group,), **fields | {"aim": Aim(joint="right_elbow", rows=99)})
+
+
+def test_threads_and_the_batch_change_nothing(body: Body) -> None:
+    """Every rule, 300 simulations on two threads and some of them alone."""
+    besides = """  - {name: one, primitive: hold, limb: right_arm}
+  - {name: two, primitive: hold, joints: [waist]}
+groups:
+  - {name: waist, rule: weighted, members: [upright, two], weights: {two: 0.5}}"""
+    outer = "subtasks:"
+    more = "  - {name: more, rule: dominant, members: [first-the-hand, one]}\n"
+    text = TEXT.format(rule="null-space").replace("groups:", besides).replace(outer, more + outer)
+    spec, document = task_from_text(text)
+    task = bind_task(spec, body, document)
+    starts = random_start(body, task.start, 300, seed=1)
+    runs = {}
+    for name, rows, threads in (("all", starts, 2), ("some", starts[[0, 150, 299]], 1)):
+        world, arbiter = World(body, len(rows)), Arbiter(task, len(rows), threads=threads)
+        world.reset(rows)
+        for _ in range(150):
+            world.step(arbiter.torque(world.state))
+        runs[name] = world.state.qpos.copy()
+    np.testing.assert_array_equal(runs["all"][[0, 150, 299]], runs["some"])
 
 
 # --- the other rules --------------------------------------------------------------------------
@@ -318,3 +389,47 @@ def test_energy_never_grows_with_passive_fields_alone(body: Body) -> None:
     growth = np.diff(energy, axis=0) / energy[0]
     assert growth.max() < 1e-3
     assert np.all(energy[-1] < 0.01 * energy[0])
+
+
+# --- sub-tasks side by side -------------------------------------------------------------------
+
+SIDE_BY_SIDE = """
+task: side-by-side
+hand_over: 0.1
+background: [{{name: weight, primitive: compensate-gravity}}]
+groups: [{{name: both, rule: {rule}, members: [up, down, then], weights: {{up: 3}}}}]
+subtasks:
+  - {{name: up, primitive: get-posture, joints: [right_elbow], posture: {{right_elbow: 80}}}}
+  - {{name: down, primitive: get-posture, joints: [right_elbow], posture: {{right_elbow: 20}},
+     after: []}}
+  - {{name: then, primitive: get-posture, joints: [right_elbow], posture: {{right_elbow: 50}},
+     after: {after}, beats: 2}}
+"""
+
+
+def elbow(body: Body, rule: str, after: str) -> tuple[float, float]:
+    """Its angle after one and after three seconds [deg]."""
+    spec, document = task_from_text(SIDE_BY_SIDE.format(rule=rule, after=after))
+    (recording,) = run_task(bind_task(spec, body, document))
+    angle = np.rad2deg(recording.qpos[:, body.qpos_of_dof[body.joints("right_elbow")[0]]])
+    return float(angle[recording.row(1.0)]), float(angle[-1])
+
+
+def test_sub_tasks_of_a_group_act_at_once_unless_one_comes_after_the_other(body: Body) -> None:
+    """Springs alike: the average of where they pull, by weight; then the last alone."""
+    middle, end = elbow(body, "weighted", "[up, down]")
+    assert middle == pytest.approx(0.75 * 80 + 0.25 * 20, abs=2)
+    assert end == pytest.approx(50, abs=1)
+    middle, end = elbow(body, "dominant", "[up, down]")
+    assert middle == pytest.approx(80, abs=2)
+    assert end == pytest.approx(50, abs=1)
+    _, end = elbow(body, "weighted", "[up]")  # `down` is beside it, `up` is not
+    assert end == pytest.approx(0.5 * (20 + 50), abs=2)
+
+
+def test_without_a_group_they_are_refused(body: Body) -> None:
+    text = SIDE_BY_SIDE.format(rule="weighted", after="[up, down]")
+    lines = [line for line in text.splitlines() if not line.startswith("groups")]
+    spec, document = task_from_text("\n".join(lines))
+    with pytest.raises(SpecError, match="both claim right_elbow, and neither comes after"):
+        bind_task(spec, body, document)
