@@ -173,7 +173,8 @@ def by_sliding(
     h is the least of f(s, t, time) over the points m + s u and n + t v, so that
     h'' = f'' - g . F^-1 g with g and F the derivatives of f' and f by s and t. Points that
     stay at the end of their segment do not count; one that is about to leave it does, or h
-    would close faster than foreseen whenever it leaves. F of parallel segments is held off zero.
+    would close faster than foreseen whenever it leaves. F of nearly parallel segments is held
+    off zero: there the ends are watched.
     """
     free_u, free_v, gu, gv = False, False, 0.0, 0.0
     if slide_u and uu > 1e-9:
@@ -184,7 +185,7 @@ def by_sliding(
         free_v = slides(t + dot(v, apart) / vv, -gv * distance / vv)
     if free_u and free_v:
         uv = -dot(u, v)
-        gap = max(uu * vv - uv * uv, 0.05 * uu * vv)
+        gap = max(uu * vv - uv * uv, PARALLEL * uu * vv)
         return float(distance * (vv * gu * gu - 2.0 * uv * gu * gv + uu * gv * gv) / gap)
     if free_u:
         return float(distance * gu * gu / uu)

@@ -52,7 +52,8 @@ def add_row(x: Row, i: int, k: int, count: int, p: Filtering, pull: FloatArray) 
     """Ask of the change that limit k be kept; returns how many rows there are then.
 
     The row is J M^-1, times the torque limits. It is scaled by the root of J M^-1 J^T, so that
-    what is missing of it is measured like the change.
+    what is missing of it is measured like the change. No more is asked for than all motors
+    together could do, so that what no motor can help does not outweigh the rest.
 
     Args:
         x: the simulation.
@@ -82,10 +83,11 @@ def add_row(x: Row, i: int, k: int, count: int, p: Filtering, pull: FloatArray) 
         square += row[j] * pull[j]
     if square < 1e-9:
         return count
-    length = np.sqrt(square)
+    length, most = np.sqrt(square), 0.0
     for j in range(nv):
         row[j] = row[j] / length if p.joints[j].limit > 0.0 else 0.0
-    p.lower[i, nv + count] = -near[0] / length
+        most += max(row[j] * p.lower[i, j], row[j] * p.upper[i, j])
+    p.lower[i, nv + count] = min(-near[0] / length, most)
     return count + 1
 
 
