@@ -1,7 +1,6 @@
 """Lessons in English, at the command line: `check --explain`, `translate`, `words`."""
 
 import sys
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
@@ -49,6 +48,7 @@ def words(
     ] = None,
 ) -> None:
     """Print the words that lessons in English may use, or what one of them means."""
+    from specs.english.problems import nearest
     from specs.english.reference import meanings, reference
     from specs.english.vocabulary import vocabulary
 
@@ -57,9 +57,7 @@ def words(
         return
     found = meanings(word)
     if not found:
-        close = get_close_matches(word[:40].lower(), list(vocabulary().entries), n=3)
-        hint = f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
-        _refuse(f"unknown word {word!r}{hint}")
+        _refuse(f"unknown word {word!r}{nearest(word, list(vocabulary().entries))}")
     for line in found:
         typer.echo(line)
 

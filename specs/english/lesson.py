@@ -14,7 +14,7 @@ from specs.english.parsing import parse
 from specs.english.problems import Problem, error_of
 from specs.english.repeating import Played, repeated
 from specs.english.roles import LIMBS, sort, split
-from specs.english.sentences import Clause, Condition, Parsed, Phrase, Raw, Sentence, Word
+from specs.english.sentences import Clause, Condition, Parsed, Raw, Sentence, Word
 from specs.english.sequence import Sequence
 from specs.english.steps import Reason, Step
 from specs.english.timing import condition_of
@@ -260,14 +260,17 @@ def _filled(clause: Clause, before: Clause | None) -> Clause:
     """A clause without a verb takes that of the one before, and what it does not say itself."""
     if clause.verb is not None or before is None or before.verb is None:
         return clause
-    own = set(_parts(clause))
-    kept = tuple(
-        phrase
-        for phrase, part in zip(before.phrases, _parts(before), strict=True)
-        if part not in own and phrase.kind != "separator"
+    parts, old = _parts(clause), list(zip(before.phrases, _parts(before), strict=True))
+    kept = tuple(p for p, part in old if part not in parts and p.kind != "separator")
+    with_hand = next((p.preposition for p, part in old if part == "hand" and p.preposition), None)
+    said = tuple(
+        replace(p, kind="place", preposition=with_hand)
+        if part == "hand" and p.kind == "thing" and with_hand is not None
+        else p
+        for p, part in zip(clause.phrases, parts, strict=True)
     )
     words = (before.verb, *clause.words)
-    return replace(clause, verb=before.verb, phrases=(*clause.phrases, *kept), words=words)
+    return replace(clause, verb=before.verb, phrases=(*said, *kept), words=words)
 
 
 def _parts(clause: Clause) -> list[str]:

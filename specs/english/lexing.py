@@ -42,8 +42,10 @@ def words_of(raws: Sequence[Raw]) -> tuple[list[Word], list[Word], list[Problem]
                 )
         i += 1
     words, fillers = _chosen(found)
+    cannot: set[str] = set()
     for word in words:
-        if word.kind == "CANNOT":
+        if word.kind == "CANNOT" and word.entry.key not in cannot:
+            cannot.add(word.entry.key)
             why = word.entry.meaning["why"]
             problems.append(Problem.of(f"{word.text!r} cannot be done: {why}", [word]))
     return _linked(words), fillers, problems
@@ -116,6 +118,8 @@ def _fitting(
         return kinds["VERB"]
     if "LINKING" in kinds and following in ("VERB", "LET"):
         return kinds["LINKING"]
+    if "NOUN" in kinds and "DIRECTION" in kinds:  # "your back", "forward and back"
+        return kinds["NOUN" if nominal else "DIRECTION"]
     if "WHEN" in kinds and before is None and following == "SIGNAL":
         return kinds["WHEN"]
     for kind in ("BOTH", "DETERMINER"):
@@ -211,7 +215,7 @@ def classes() -> dict[str, str]:
         "VERB": "a verb", "NOUN": "a part of the body", "PRONOUN": "'it'", "UNIT": "a unit such as 'beats' or 'cm'",
         "NUMBER": "a number", "DIRECTION": "a direction", "SIGNAL": "a signal such as \"go\"",
         "PREPOSITION": "a word such as 'to' or 'in front of'", "SIDE": "'left' or 'right'",
-        "STEP": "'line' or 'step'", "TIMES": "'times'", "RATE": "'a beat'", "LINK": "'and' or 'then'",
+        "TIMES": "'times'", "LINK": "'and' or 'then'",
     }  # fmt: skip
 
 

@@ -34,8 +34,14 @@ class Problem(Exception):
         """The message, with the nearest of the known words."""
         if not self.unknown:
             return self.message
-        close = get_close_matches(self.unknown[:LONGEST].lower(), known, n=3, cutoff=0.6)
-        return self.message + (f"; did you mean {' or '.join(map(repr, close))}?" if close else "")
+        return self.message + nearest(self.unknown, known)
+
+
+def nearest(word: str, known: Sequence[str]) -> str:
+    """What may have been meant instead of a word; of several forms of one, the first."""
+    close = get_close_matches(word[:LONGEST].lower(), known, n=3, cutoff=0.7)
+    close = [c for k, c in enumerate(close) if not any(c.startswith(d) for d in close[:k])]
+    return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
 
 
 def excerpt(problem: Problem, lines: Sequence[str]) -> str:
@@ -56,7 +62,7 @@ def error_of(
 ) -> SpecError:
     """One error that tells all problems of a text, the first of them in its first line."""
     ordered = sorted(problems, key=lambda p: (p.position.line, p.position.column))
-    told = []
+    told: list[str] = []
     for problem in ordered[:MOST]:
         at = problem.position
         where = f"{file}:{at.line}:{at.column}: " if told else ""
