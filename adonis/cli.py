@@ -1,4 +1,4 @@
-"""The command line: `run`, `check`, `compare`, `graph`, `list`, `trials`, `bench` …"""
+"""The command line: `adonis run`, `check`, `graph`, `list`, `compare`, `trials`, `bench`."""
 
 import os
 import sys

@@ -1,12 +1,13 @@
 """What a sentence can refer to: the hand used last, and how each arm is held."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from specs.english.problems import Problem
 from specs.english.sentences import Noun, Word
 from specs.english.steps import SIDES, opposite
 
-Held = dict[str, object]  # arm, elbow, palm: as a posture says it
+Held = dict[str, Any]  # arm, elbow, palm: as a posture says it
 HANGING: Held = {"arm": "down", "elbow": "straight"}
 
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from specs.english.context import HANGING, Context, Hands
-from specs.english.doing_arms import Sense, Stages, _hands, _size, _step, limb
+from specs.english.doing import Sense, Stages, hands_of, limb, shown, size_of, step_of
 from specs.english.places import VECTORS, direction, landmark
 from specs.english.problems import Problem
 from specs.english.roles import Roles
@@ -44,7 +44,7 @@ def turn(roles: Roles, sense: Sense, context: Context) -> Stages:
             angles[joint] = degrees
         if words:
             step.because(words, "posture", key)
-    size = _size(roles)
+    size = size_of(roles)
     if angles and roles.angle is not None:
         largest = roles.angle.number
         angles = {j: largest if d > 0 else -largest for j, d in angles.items()}
@@ -65,7 +65,7 @@ def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     of_arms = any("{side}" in joint for joint in swing["joints"])
     hands = _waving(roles, context) if of_arms else Hands(())
     joints: dict[str, Any] = {}
-    size = _size(roles)
+    size = size_of(roles)
     if roles.angle is not None:
         size *= roles.angle.number / max(s["amplitude"] for s in swing["joints"].values())
     for k, side in enumerate(hands.sides or ("",)):
@@ -103,13 +103,13 @@ def _waving(roles: Roles, context: Context) -> Hands:
         and not context.last
     ):
         return Hands(tuple(context.raised), (), "the raised arm")
-    return _hands(roles, context)
+    return hands_of(roles, context)
 
 
 def _lifted(roles: Roles, hands: Hands, side: str) -> Step:
     """An arm half raised, bent, its palm forward."""
     out = 0.5 if side == "left" else -0.5
-    step = _step(roles, "get-posture", side, posture={"arm": [0.45, out, 0.6], **WAVING})
+    step = step_of(roles, "get-posture", side, posture={"arm": [0.45, out, 0.6], **WAVING})
     return limb(hands, step, side).assume("the arm is raised first")
 
 
@@ -151,10 +151,7 @@ def _pace(roles: Roles, swing: Sense, step: Step) -> None:
     cycles: float | None = 0.5 * halves if halves else None
     if roles.count is not None:
         number = roles.count.number
-        if halves:
-            cycles = 0.5 * halves * number
-        else:
-            cycles = number
+        cycles = 0.5 * halves * number if halves else number
         if not 0.5 <= number <= MOST_CYCLES:
             raise Problem.of(
                 f"expected a number of times up to {MOST_CYCLES}, not {number:g}", roles.count.words
@@ -185,7 +182,7 @@ def look(roles: Roles, sense: Sense, context: Context) -> Stages:
     step.because(roles.clause.words[:1], "primitive", "look-at")
     at = _aim(roles, context)
     step.parameters["at"], assumed = _seen(at, context)
-    step.because(at.words, "at", _shown(step.parameters["at"]))
+    step.because(at.words, "at", shown(step.parameters["at"]))
     for said in assumed:
         step.assume(said)
     return [[step]]
@@ -198,20 +195,20 @@ def point(roles: Roles, sense: Sense, context: Context) -> Stages:
         []
         if has_arm and not roles.places
         else [_aim(roles, context)]
-        if roles.places or not has_arm and roles.object
+        if roles.places or (not has_arm and roles.object)
         else []
     )
     hands = context.hands(roles.object if has_arm else roles.hand)
     steps = []
     for side in hands.sides:
-        step = limb(hands, _step(roles, "point-at", side), side)
+        step = limb(hands, step_of(roles, "point-at", side), side)
         if aimed:
             step.parameters["at"], assumed = _seen(aimed[0], context)
-            step.because(aimed[0].words, "at", _shown(step.parameters["at"]))
+            step.because(aimed[0].words, "at", shown(step.parameters["at"]))
         else:
             step.parameters["at"], assumed = _far(roles, side, context)
             for way in roles.ways:
-                step.because(way.words, "at", _shown(step.parameters["at"]))
+                step.because(way.words, "at", shown(step.parameters["at"]))
         for said in assumed:
             step.assume(said)
         step.lasting = True
@@ -244,7 +241,9 @@ def follow(roles: Roles, sense: Sense, context: Context) -> Stages:
     if hands.sides != (opposite(other),):
         raise Problem.of("a hand cannot follow itself", roles.clause.words)
     side = opposite(other)
-    step = limb(hands, _step(roles, "follow", side, to={"hand": f"{other}_arm", "away": 0.1}), side)
+    step = limb(
+        hands, step_of(roles, "follow", side, to={"hand": f"{other}_arm", "away": 0.1}), side
+    )
     step.because(at.words, "to", f"{other} hand")
     step.assume("10 cm from its palm")
     step.lasting = True
@@ -334,9 +333,3 @@ def home(roles: Roles, sense: Sense, context: Context) -> Stages:
 
 def _text(words: tuple[Word, ...]) -> str:
     return " ".join(word.text for word in words)
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {item}" for key, item in value.items()) + "}"
-    return str(value)

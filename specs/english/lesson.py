@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from specs.english.context import Context
-from specs.english.doing_arms import Stages
+from specs.english.doing import Stages
 from specs.english.layout import Layout, lay_out
 from specs.english.lexing import words_of
 from specs.english.meaning import stages_of
@@ -303,8 +303,11 @@ def _parts(clause: Clause) -> list[str]:
 
 
 def _joined(clauses: list[Clause]) -> list[Clause]:
-    """What stands before a verb goes to it: "With your right hand, touch …"; so does what is
-    said only once: "Raise and lower your arm"."""
+    """Clauses that say one thing between them.
+
+    What stands before a verb goes to it: "With your right hand, touch …". What is said only once
+    goes to both: "Raise and lower your arm".
+    """
     made: list[Clause] = []
     for k, clause in enumerate(clauses):
         before = made[-1] if made else None

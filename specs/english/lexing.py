@@ -8,7 +8,7 @@ from specs.english.sentences import Raw, Word
 from specs.english.vocabulary import FILLER, Entry, vocabulary
 
 QUOTES = '"“”'
-MARKS = {",": "comma", "(": "comma", ")": "comma", ":": "comma", "/": "comma", "–": "dash", "—": "dash", "-": "dash"}  # fmt: skip
+MARKS = dict.fromkeys(",():/", "comma") | dict.fromkeys("–—-", "dash")
 STRENGTH = ("comma", "comma-and", "and", "together", "then", "while")  # of links, rising
 NOUN_LIKE = ("DETERMINER", "SIDE", "PREPOSITION", "PART", "BOTH", "OTHER", "SOME")
 LARGEST = 1e6
@@ -88,16 +88,15 @@ def _chosen(
     has_verb = False
     for k, (raws, entries, number) in enumerate(found):
         entry = entries[0]
+        following = found[k + 1][1][0].kind if k + 1 < len(found) else ""
         if len(entries) > 1:
-            following = found[k + 1][1][0].kind if k + 1 < len(found) else ""
             entry = _fitting(entries, words[-1] if words else None, following, has_verb)
         word = Word(entry.kind, raws, entry, number)
         if entry.kind == FILLER:
             fillers.append(word)
             continue
-        if entry.kind == "NUMBER" and k + 1 < len(found) and number in (1.0, 2.0):
-            if found[k + 1][1][0].kind == "NOUN":
-                word = Word("SOME" if number == 1.0 else "BOTH", raws, entry, number)
+        if entry.kind == "NUMBER" and number in (1.0, 2.0) and following == "NOUN":
+            word = Word("SOME" if number == 1.0 else "BOTH", raws, entry, number)
         has_verb = has_verb or entry.kind == "VERB"
         if entry.kind in ("LINKING", "MARK") and entry.key != "comma":
             has_verb = has_verb and entry.kind == "MARK"
@@ -212,7 +211,8 @@ def _signal(raw: Raw, problems: list[Problem]) -> Entry:
 def classes() -> dict[str, str]:
     """What a person would call each class of word."""
     return {
-        "VERB": "a verb", "NOUN": "a part of the body", "PRONOUN": "'it'", "UNIT": "a unit such as 'beats' or 'cm'",
+        "VERB": "a verb", "NOUN": "a part of the body", "PRONOUN": "'it'",
+        "UNIT": "a unit such as 'beats' or 'cm'",
         "NUMBER": "a number", "DIRECTION": "a direction", "SIGNAL": "a signal such as \"go\"",
         "PREPOSITION": "a word such as 'to' or 'in front of'", "SIDE": "'left' or 'right'",
         "TIMES": "'times'", "LINK": "'and' or 'then'",

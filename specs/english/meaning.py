@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Sequence
 
-from specs.english import doing_arms, doing_body
+from specs.english import doing_arms, doing_body, doing_hands
 from specs.english.context import Context
-from specs.english.doing_arms import Sense, Stages
+from specs.english.doing import Sense, Stages
 from specs.english.places import convert
 from specs.english.problems import Problem
 from specs.english.roles import Roles, Way
@@ -19,12 +19,12 @@ USES: dict[str, tuple[Callable[[Roles, Sense, Context], Stages], set[str]]] = {
     "rest": (doing_arms.rest, {"object", "hand"}),
     "elbow": (doing_arms.elbow, {"object", "hand", "angle", "states"}),
     "palm": (doing_arms.palm, {"object", "hand", "ways", "palm"}),
-    "reach": (doing_arms.reach, {"object", "hand", "places", "palm"}),
-    "tap": (doing_arms.tap, {"object", "hand", "places"}),
-    "reach_to": (doing_arms.reach_to, {"object", "hand"}),
-    "cross": (doing_arms.cross, {"object", "hand", "places"}),
-    "press": (doing_arms.press, {"object", "hand", "ways", "places"}),
-    "clap": (doing_arms.clap, {"object"}),
+    "reach": (doing_hands.reach, {"object", "hand", "places", "palm"}),
+    "tap": (doing_hands.tap, {"object", "hand", "places"}),
+    "reach_to": (doing_hands.reach_to, {"object", "hand"}),
+    "cross": (doing_hands.cross, {"object", "hand", "places"}),
+    "press": (doing_hands.press, {"object", "hand", "ways", "places"}),
+    "clap": (doing_hands.clap, {"object"}),
     "relax": (doing_arms.relax, {"object", "hand"}),
     "hold": (doing_arms.hold, {"object", "hand", "ways"}),
     "turn": (doing_body.turn, {"object", "ways", "states", "angle"}),
@@ -121,7 +121,7 @@ def _of(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
             known = {"place", "parts", "point"} & noun.noun.entry.meaning.keys()
             return bool(known) or sense["does"] in TARGETED or roles.hand is not None
         case kind:
-            return what == kind
+            return bool(what == kind)
     return False
 
 

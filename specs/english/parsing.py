@@ -120,9 +120,7 @@ def _phrase(kind: str) -> Callable[[Any, list[Any]], Phrase]:
         words = _flat(parts)
         nouns = [p for p in parts if isinstance(p, Noun)]
         conditions = [p for p in parts if isinstance(p, Condition)]
-        apart = [
-            w for p in parts if isinstance(p, Token) or isinstance(p, tuple) for w in _flat([p])
-        ]
+        apart = [w for p in parts if isinstance(p, Token | tuple) for w in _flat([p])]
         prepositions = [w for w in apart if w.kind == "PREPOSITION"]
         units = [w for w in apart if w.kind == "UNIT"]
         return Phrase(
@@ -165,15 +163,15 @@ def parse(words: list[Word]) -> Parsed:
         Problem: it is no sentence; the word at which that shows is in it.
     """
     try:
-        return _parser().parse(words)  # type: ignore[arg-type, return-value]
+        return _parser().parse(words)  # type: ignore[return-value]
     except UnexpectedToken as problem:
         expected = sorted(classes()[kind] for kind in problem.accepts or () if kind in classes())
         wanted = f"; here could stand {', '.join(expected)}" if expected else ""
         if isinstance(problem.token.value, Word):
             word = problem.token.value
             if word.kind == "VERB":
-                told = f"{word.text!r} begins something new: put 'and', 'then' or a full stop before it"
-                raise Problem.of(told, [word]) from None
+                told = "begins something new: put 'and', 'then' or a full stop before it"
+                raise Problem.of(f"{word.text!r} {told}", [word]) from None
             raise Problem.of(f"{word.text!r} does not fit here{wanted}", [word]) from None
         raise Problem.of(
             f"the sentence breaks off after {words[-1].text!r}{wanted}", words[-1:]

@@ -45,7 +45,8 @@ def landmark(noun: Noun, hand: str, context: Context, *, both: bool = False) -> 
             template = meaning["parts"]["side"]
     if template is None:
         raise Problem.of(
-            f"{_text(noun)!r} is no place that a hand can go to (there are: {', '.join(_places())})",
+            f"{_text(noun)!r} is no place that a hand can go to"
+            f" (there are: {', '.join(_places())})",
             noun.words,
         )
     side, assumed = "", ""
@@ -81,7 +82,8 @@ def _side(noun: Noun, hand: str, context: Context, both: bool) -> tuple[str, str
         rule = meaning.get("pair_side", rule)
     if rule == "ask":
         raise Problem.of(
-            f"{_text(noun)!r} could be the right or the left one: say 'right {word}' or 'left {word}'",
+            f"{_text(noun)!r} could be the right or the left one: say 'right {word}' or"
+            f" 'left {word}'",
             noun.words,
         )
     side = hand if rule == "own" else opposite(hand)
@@ -89,9 +91,16 @@ def _side(noun: Noun, hand: str, context: Context, both: bool) -> tuple[str, str
 
 
 def place(
-    phrase: Phrase, hand: str, context: Context, *, both: bool = False
+    phrase: Phrase, hand: str, context: Context, *, both: bool = False, across: bool = False
 ) -> tuple[str | dict[str, Any], list[str]]:
     """Where a place phrase sends a hand: a landmark, or a place near one; and what was assumed.
+
+    Args:
+        phrase: the place.
+        hand: the side of the hand that goes there.
+        context: what was said before.
+        both: whether the other hand goes there too.
+        across: whether "over" means to the other side.
 
     Raises:
         Problem: it cannot be a place.
@@ -101,6 +110,8 @@ def place(
     relation = phrase.preposition.entry.key if phrase.preposition else "to"
     meaning = noun.noun.entry.meaning if noun.noun else {}
     distance = _metres(phrase)
+    if relation == "over" and across:
+        relation = "across"
     if relation == "over":
         relation = "to" if meaning.get("over") == "touch" and distance is None else "above"
     if relation == "across":
@@ -169,7 +180,7 @@ def convert(phrase: Phrase) -> str | None:
     if noun is None or phrase.numbers or phrase.noun is None or phrase.noun.part:
         return None
     relation = phrase.preposition.entry.key if phrase.preposition else "to"
-    ways = noun.entry.meaning.get("as", {})
+    ways: dict[str, str] = noun.entry.meaning.get("as", {})
     return ways.get(relation)
 
 

@@ -99,16 +99,16 @@ def _numbered(phrases: Sequence[Phrase], played: Sequence[Played]) -> Sequence[P
     unit = next((w for w in words if w.kind == "STEP"), None)
     by_line = unit is not None and unit.entry.key == "line"
     relations = [p.preposition.entry.key if p.preposition else "" for p in phrases]
-    last = numbers[1] if len(numbers) > 1 else None
+    last: float | None = numbers[1] if len(numbers) > 1 else None
     if last is None and "from" not in relations:
         last = numbers[0]
     known = [one.line if by_line else one.number for one in played]
-    for number in (numbers[0], last):
-        if number is not None and number not in known:
+    for asked in (numbers[0], last):
+        if asked is not None and asked not in known:
             what = "line" if by_line else "step"
             shown = sorted({k for k in known if k is not None})
             raise Problem.of(
-                f"there is no {what} {number:g} to repeat here (there are: {_few(shown)})", words
+                f"there is no {what} {asked:g} to repeat here (there are: {_few(shown)})", words
             )
     found = [
         one

@@ -121,6 +121,10 @@ def _thing(roles: Roles, phrase: Phrase, aspect: Noun | None) -> Noun | None:
     if noun is None:
         return aspect
     relation = preposition.entry.key if preposition else ""
+    if aspect is not None and noun.what == "thing" and noun.noun is not None:
+        ways = noun.noun.entry.meaning["as"]  # "the palm facing the floor"
+        _way(roles, Way(str(ways["toward"]), phrase.words), aspect)
+        return None
     if not noun.what and not noun.pronoun:
         return _bare(roles, phrase, noun, relation, aspect)
     if relation == "with":
@@ -133,13 +137,12 @@ def _thing(roles: Roles, phrase: Phrase, aspect: Noun | None) -> Noun | None:
     if relation:
         roles.places.append(phrase)
         return None
-    if roles.object is not None and roles.object is roles.clause.subject:
-        if roles.hand is None and noun.what not in ("palm", "elbow"):  # "let your hand touch …"
-            roles.hand, roles.object = roles.object, noun
-            return None
-    if noun.what in ("palm", "elbow") and roles.object is not None:
-        if roles.object.what == "arm":
-            return noun
+    given, aside = roles.object, noun.what in ("palm", "elbow")
+    if given is not None and given is roles.clause.subject and roles.hand is None and not aside:
+        roles.hand, roles.object = given, noun  # "let your hand touch …"
+        return None
+    if aside and given is not None and given.what == "arm":
+        return noun
     if roles.object is None:
         roles.object = noun
     elif roles.object.what == "palm" and noun.what == "arm":  # "Palm down, extend your arm"
@@ -157,15 +160,11 @@ def _bare(
     roles: Roles, phrase: Phrase, noun: Noun, relation: str, aspect: Noun | None
 ) -> Noun | None:
     """A phrase without a noun: "to the left" is a direction, "your left" and "both" an arm."""
-    if (
-        noun.side
-        and (relation or noun.words[0].kind == "SIDE")
-        and not noun.other
-        and not noun.both
-    ):
-        if relation in ("", "to", "toward", "for", "from"):
-            _way(roles, Way(noun.side, phrase.words), aspect)
-            return aspect
+    alone = noun.side and not (noun.other or noun.both)
+    towards = relation in ("to", "toward", "for", "from")
+    if noun.side and alone and (towards or (not relation and noun.words[0].kind == "SIDE")):
+        _way(roles, Way(noun.side, phrase.words), aspect)
+        return aspect
     if relation == "with" and (noun.side or noun.other or noun.both):
         roles.hand = noun
     elif not relation and (noun.side or noun.other or noun.both) and roles.object is None:

@@ -3,7 +3,7 @@
 import re
 from typing import Any
 
-from specs.english.doing_arms import Stages
+from specs.english.doing import Stages
 from specs.english.problems import Problem
 from specs.english.sentences import Clause
 from specs.english.steps import Step, plain
@@ -12,7 +12,7 @@ PARALLEL = ("and", "together", "while")
 
 
 class Sequence:
-    """The steps so far. Those of a block run at the same time; a block is written when it is over."""
+    """The steps so far. Those of a block run at the same time, and are written when it ends."""
 
     def __init__(self) -> None:
         self.steps: list[Step] = []  # in the order of the task, with names

@@ -57,8 +57,8 @@ def _of_movement(roles: Roles, step: Step, does: str) -> None:
             step.because(roles.count.words, "repeat", f"{rounds} times")
         elif roles.count.number != 1:
             raise Problem.of(
-                f"{roles.verb!r} ends in a posture, and {roles.count.number:g} times of it would stand still:"
-                " say what comes between, then 'Repeat that'",
+                f"{roles.verb!r} ends in a posture, and {roles.count.number:g} times of it would"
+                " stand still: say what comes between, then 'Repeat that'",
                 roles.count.words,
             )
         else:

@@ -1,10 +1,10 @@
-"""Lessons in English: what sentences mean, what is refused and how, and that nothing else happens."""
+"""Lessons in English: what sentences mean, what is refused and how, and nothing else."""
 
 from pathlib import Path
 
 import pytest
 
-from specs import SpecError, bind_task, build_graph, load_task, task_from_text, task_to_yaml
+from specs import SpecError, build_graph, task_from_text, task_to_yaml
 from specs.english.explaining import explain
 from specs.english.lesson import read_lesson
 from specs.reading import read_text
