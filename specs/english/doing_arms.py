@@ -14,6 +14,7 @@ from specs.english.doing import (
     Stages,
     hands_of,
     limb,
+    quoted,
     raised,
     shown,
     size_of,
@@ -102,6 +103,9 @@ def _tilted(way: str | list[float], degrees: float) -> list[float]:
 
 def rest(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Let an arm hang as at the beginning: get-posture rest."""
+    for way in roles.ways:
+        if way.key not in ("rest", "down"):
+            raise Problem.of(f"{quoted(way.words)} has no meaning with {roles.verb!r}", way.words)
     hands = hands_of(roles, context)
     steps = []
     for side in hands.sides:

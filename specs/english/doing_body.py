@@ -317,6 +317,9 @@ def home(roles: Roles, sense: Sense, context: Context) -> Stages:
     for phrase in roles.places:
         if phrase.noun is None or phrase.noun.what != "start":
             raise Problem.of(f"{phrase.text!r}: go back there with what? name a hand", phrase.words)
+    for way in roles.ways:
+        if way.key != "rest":
+            raise Problem.of(f"{_text(way.words)!r} has no meaning with {roles.verb!r}", way.words)
     joints = ["right_arm", "left_arm", "waist", "neck"]
     step = Step(
         roles.clause, "get-posture", {"joints": joints, "posture": "rest"}, frozenset(joints)

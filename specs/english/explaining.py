@@ -36,8 +36,8 @@ def _head(lesson: Lesson) -> Iterator[str]:
     beside = ", ".join(
         f"{entry['name']} ({entry['primitive']})" for entry in defaults["background"]
     )
-    tempo = f"tempo {lesson.tempo:g}" if lesson.tempo else f"tempo {TEMPO:g}, assumed"
-    yield f"{lesson.file}: {tempo} beats per minute"
+    tempo = f"{lesson.tempo or TEMPO:g} beats per minute{'' if lesson.tempo else ', assumed'}"
+    yield f"{lesson.file}: {tempo}"
     yield f"beside it all, assumed: {beside}"
     for key, (value, raw) in lesson.layout.headers.items():
         if key != "tempo":

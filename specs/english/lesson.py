@@ -12,7 +12,7 @@ from specs.english.lexing import words_of
 from specs.english.meaning import stages_of
 from specs.english.parsing import parse
 from specs.english.problems import Problem, error_of
-from specs.english.repeating import Played, repeated
+from specs.english.repeating import MOST_STEPS, Played, repeated
 from specs.english.roles import LIMBS, sort, split
 from specs.english.sentences import Clause, Condition, Parsed, Raw, Sentence, Word
 from specs.english.sequence import Sequence
@@ -22,7 +22,6 @@ from specs.english.vocabulary import vocabulary
 from specs.errors import Position, SpecError
 from specs.reading import Document, Path_
 
-MOST_STEPS = 20_000
 TEMPO = 60.0  # beats per minute, if none is said
 PARALLEL = ("and", "together", "while")
 
@@ -96,6 +95,7 @@ class _Reader:
         self._context = Context()
         self._played: list[Played] = []
         self._clause_before: Clause | None = None
+        self._repeated = 0  # steps that were added by repeating
         self._numbered = any(sentence.number is not None for sentence in lesson.layout.sentences)
         tempo = lesson.layout.headers.get("tempo")
         lesson.tempo = None if tempo is None else float(tempo[0])
@@ -134,7 +134,9 @@ class _Reader:
         if _repeats(parsed):
             (clause,) = parsed.clauses
             again = repeated(sort(clause), self._played, self._context)
-            self._room(sum(len(p.steps) for p, _ in again), clause)
+            self._repeated += sum(len(one.steps) for one, _ in again)
+            if self._repeated > MOST_STEPS:
+                raise Problem.of(f"repeating makes more than {MOST_STEPS} steps", clause.words)
             told.note = f"lines {again[0][0].line} to {again[-1][0].line}, {len(again)} sentences"
             played.plays = again
         for one, mirrored in played.plays or [(played, False)]:
@@ -151,13 +153,11 @@ class _Reader:
             finally:
                 self._context.mirrored = before
             played.steps += steps
+        if len(played.parsed.clauses) == 1 and len({id(step.clause) for step in played.steps}) == 1:
+            for step in played.steps:
+                step.words = told.text
         told.steps = played.steps
         self._played.append(played)
-        self._room(0, parsed.clauses[0])
-
-    def _room(self, more: int, clause: Clause) -> None:
-        if len(self._sequence) + more > MOST_STEPS:
-            raise Problem.of(f"that makes more than {MOST_STEPS} steps", clause.words)
 
     def _tempo(self, parsed: Parsed, told: Told) -> bool:
         """A sentence that only says the tempo."""

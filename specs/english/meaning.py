@@ -16,7 +16,7 @@ TIMES = {"time", "count", "rate", "most", "until", "together", "in_turn"}
 # What each way of doing has a use for, besides times.
 USES: dict[str, tuple[Callable[[Roles, Sense, Context], Stages], set[str]]] = {
     "arm": (doing_arms.arm, {"object", "hand", "ways", "palm", "elbow", "states", "angle"}),
-    "rest": (doing_arms.rest, {"object", "hand"}),
+    "rest": (doing_arms.rest, {"object", "hand", "ways"}),
     "elbow": (doing_arms.elbow, {"object", "hand", "angle", "states"}),
     "palm": (doing_arms.palm, {"object", "hand", "ways", "palm"}),
     "reach": (doing_hands.reach, {"object", "hand", "places", "palm"}),
@@ -33,7 +33,7 @@ USES: dict[str, tuple[Callable[[Roles, Sense, Context], Stages], set[str]]] = {
     "point": (doing_body.point, {"object", "hand", "places", "ways"}),
     "follow": (doing_body.follow, {"object", "hand", "places"}),
     "wait": (doing_body.wait, {"ways"}),
-    "home": (doing_body.home, {"places"}),
+    "home": (doing_body.home, {"places", "ways"}),
 }
 SIZED = {"elbow", "turn", "rhythm"}  # "a little" makes these smaller
 TARGETED = {"look", "point", "follow"}
@@ -55,6 +55,13 @@ def stages_of(roles: Roles, context: Context) -> Stages:
     act, uses = USES[does]
     stages = act(roles, sense, context)
     _nothing_left(roles, does, uses)
+    for word in roles.manners:
+        if "size" in word.entry.meaning:
+            for step in stages[-1]:
+                step.because([word], "posture", f"{word.entry.meaning['size']:g} times as far")
+    for way in roles.ways if does in ("hold", "wait") else ():
+        for step in stages[-1]:
+            step.because(way.words, "primitive", step.primitive)
     set_times(roles, stages, does, context)
     return stages
 

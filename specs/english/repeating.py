@@ -10,6 +10,7 @@ from specs.english.sentences import Parsed, Phrase
 from specs.english.steps import Step
 
 MOST_TIMES = 10_000
+MOST_STEPS = 2_000  # that repeating may add to a lesson
 
 
 @dataclass
@@ -42,8 +43,8 @@ def repeated(roles: Roles, played: Sequence[Played], context: Context) -> list[t
     flat: list[tuple[Played, bool]] = []
     for one in chosen:
         flat += [(p, m != mirrored) for p, m in one.plays] if one.plays else [(one, mirrored)]
-    if len(flat) * int(times) > 20_000:
-        raise Problem.of("that makes more than 20000 steps", words)
+    if sum(len(one.steps) for one, _ in flat) * int(times) > MOST_STEPS:
+        raise Problem.of(f"repeating makes more than {MOST_STEPS} steps", words)
     return flat * int(times)
 
 

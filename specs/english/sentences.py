@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 
 from specs.english.vocabulary import Entry
 from specs.errors import Position
@@ -137,5 +138,10 @@ class Parsed:
 
 
 def said(words: tuple[Word, ...]) -> str:
-    """Words as they were written."""
-    return " ".join(word.text for word in words)
+    """Words as they were written, spaces where there were any."""
+    raws = [raw for word in words for raw in word.raws]
+    parts = [raws[0].text] if raws else []
+    for before, raw in pairwise(raws):
+        touching = before.line == raw.line and before.end == raw.column
+        parts.append(raw.text if touching else f" {raw.text}")
+    return "".join(parts)

@@ -69,7 +69,7 @@ class Sequence:
         name = self._name(step)
         above = [self.steps[-1].own["name"]] if self.steps else []
         after: dict[str, Any] = {} if waits == above else {"after": list(waits)}
-        own = {"name": name, "words": step.clause.text, **after, **step.own}
+        own = {"name": name, "words": step.words or step.clause.text, **after, **step.own}
         step.own = own | {"primitive": step.primitive} | step.parameters
         self.steps.append(step)
         return name

@@ -29,6 +29,7 @@ class Step:
     reasons: list[Reason] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
     own: dict[str, Any] = field(default_factory=dict)  # keys of the sub-task: beats, repeat …
+    words: str = ""  # the sentence, if it says nothing else
     sentence: int = 0  # ordinal of the sentence that says it
     lasting: bool = False  # goes on for as long as something beside it, if nothing is said
 

@@ -70,8 +70,9 @@ class Vocabulary:
         return found
 
     def known(self) -> list[str]:
-        """All single words, to find the nearest."""
-        return sorted({word for words in self.entries for word in words.split()})
+        """All single words that have an effect, to find the nearest."""
+        useful = (w for w, found in self.entries.items() if found[0].kind not in (FILLER, "LET"))
+        return sorted({word for words in useful for word in words.split()})
 
 
 @lru_cache(maxsize=1)
