@@ -44,7 +44,7 @@ def arm(roles: Roles, sense: Sense, context: Context) -> Stages:
     for side in hands.sides:
         step = limb(hands, step_of(roles, "get-posture", side), side)
         posture: dict[str, Any] = {}
-        ways = [way for way in roles.ways if way.key not in ("there", "straight")]
+        ways = [way for way in roles.ways if way.key != "there"]
         if ways or "arm" not in sense:
             posture["arm"], assumed = direction(ways, side, context)
             for way in ways:

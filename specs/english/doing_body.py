@@ -13,6 +13,7 @@ from specs.english.vocabulary import vocabulary
 
 JOINTS = {"neck": ("neck_z", "neck_x", "neck_y"), "waist": ("waist_z", "waist_x", "waist_y")}
 WAVING = {"elbow": 90, "palm": "forward"}  # how an arm is raised to wave
+SWINGING = ("swaying", "sideways", "fore-and-aft", "up-and-down")
 MOST_CYCLES = 10_000
 
 
@@ -61,7 +62,10 @@ def turn(roles: Roles, sense: Sense, context: Context) -> Stages:
 
 def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Swing joints to and fro: oscillate. An arm that waves is raised first."""
-    swing = vocabulary().data["rhythms"][sense["rhythm"]]
+    rhythms = vocabulary().data["rhythms"]
+    swing = rhythms[sense["rhythm"]]
+    if "sideways" in swing and any(way.key == "sideways" for way in roles.ways):
+        swing = rhythms[swing["sideways"]]
     of_arms = any("{side}" in joint for joint in swing["joints"])
     hands = _waving(roles, context) if of_arms else Hands(())
     joints: dict[str, Any] = {}
@@ -115,10 +119,12 @@ def _lifted(roles: Roles, hands: Hands, side: str) -> Step:
 
 def _first(roles: Roles, swing: Sense, step: Step, context: Context) -> None:
     """Which way it swings first; several directions are as many half swings."""
-    ways = [way for way in roles.ways if way.key not in ("swaying", "there")]
+    ways = [way for way in roles.ways if way.key not in SWINGING]
     for way in roles.ways:
-        if way.key == "swaying":
-            step.because(way.words, "joints", "to and fro")
+        if way.key in ("swaying", swing["goes"]):
+            step.because(way.words, "joints", way.key)
+        elif way.key in SWINGING:
+            raise Problem.of(f"{roles.verb!r} does not go {_text(way.words)!r}", way.words)
     if not ways:
         return
     first = swing.get("first")

@@ -19,7 +19,7 @@ from specs.english.places import facing, place
 from specs.english.problems import Problem
 from specs.english.roles import Roles
 from specs.english.sentences import Noun, Phrase
-from specs.english.steps import SIDES, Step, opposite
+from specs.english.steps import SIDES, Step, opposite, plain
 
 TAP_AWAY = 0.08  # [m] off the surface between two taps
 CLAP = {"near": "chest.front", "away": 0.25}  # where hands meet
@@ -84,8 +84,16 @@ def reach(roles: Roles, sense: Sense, context: Context) -> Stages:
 
 
 def _two_places(steps: list[Step], where: Phrase) -> None:
-    """Two hands do not fit on one place."""
-    if len(steps) == 2 and steps[0].parameters["to"] == steps[1].parameters["to"]:
+    """Two hands do not fit on one place; near one, they are side by side."""
+    if len(steps) == 2 and isinstance(steps[0].parameters["to"], dict):
+        for step in steps:
+            out = APART if step.parameters["limb"] == "left_arm" else -APART
+            to = step.parameters["to"]
+            if steps[0].parameters["to"]["near"] == steps[1].parameters["to"]["near"]:
+                x, y, z = to.get("offset", [0, 0, 0])
+                step.parameters["to"] = {**to, "offset": [x, plain(y + out), z]}
+                step.assume(f"side by side, {200 * APART:g} cm apart")
+    elif len(steps) == 2 and steps[0].parameters["to"] == steps[1].parameters["to"]:
         raise Problem.of(
             f"both hands do not fit on one place ({shown(steps[0].parameters['to'])}): say one"
             " hand, or a place for each",
@@ -122,7 +130,7 @@ def reach_to(roles: Roles, sense: Sense, context: Context) -> Stages:
     hands = hands_of(roles, context)
     steps = []
     for side in hands.sides:
-        to = str(sense["to"]).format(other=opposite(side))
+        to = str(sense["to"]).format(hand=side, other=opposite(side))
         step = limb(hands, step_of(roles, "go-to-point", side, to=to), side)
         steps.append(step.assume(f"to {to}"))
     moved(context, hands)

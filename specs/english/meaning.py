@@ -119,8 +119,7 @@ def _of(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
             return noun is not None and what in ("arm", "palm", "") and _plural(noun)
         case "arm":
             if noun is None:
-                others = any(s["of"] in ("nothing", "place") for s in senses)
-                return roles.hand is not None or not others or sense.get("with") == "direction"
+                return roles.hand is not None or all(s["of"] != "nothing" for s in senses)
             return what in ("arm", "palm", "")
         case "place":
             if noun is None or noun.noun is None:
@@ -153,7 +152,7 @@ def _with(sense: Sense, roles: Roles) -> bool:
             return roles.time is not None
         case "swing":
             to_and_fro = len([way for way in roles.ways if way.key in ("left", "right")]) > 1
-            swaying = any(way.key == "swaying" for way in roles.ways)
+            swaying = any(way.key in doing_body.SWINGING for way in roles.ways)
             return to_and_fro or swaying or roles.count is not None or roles.rate is not None
     return True
 

@@ -67,7 +67,8 @@ def _of_movement(roles: Roles, step: Step, does: str) -> None:
     for word in roles.manners:
         if "time" in word.entry.meaning:
             factor *= float(word.entry.meaning["time"])
-            step.because([word], "beats", f"takes {factor:g} times as long")
+            takes = f"takes {factor:g} times as long" if roles.time is None else "as the time says"
+            step.because([word], "beats", takes)
     if roles.rate is not None:
         if does not in ("tap", "clap") and roles.rate.number != 1.0:
             raise Problem.of(f"{roles.verb!r} is no rhythm", roles.rate.words)
