@@ -59,7 +59,7 @@ def texts(count: int, seed: int) -> Iterator[str]:
             lines = rng.choice(seeds).splitlines()
             first = rng.randrange(len(lines))
             lines = [
-                _mutated(rng, line, known) for line in lines[first : first + rng.randint(1, 4)]
+                _mutated(rng, line, known) for line in lines[first : first + rng.randint(1, 3)]
             ]
         else:
             lines = [
@@ -73,7 +73,7 @@ def texts(count: int, seed: int) -> Iterator[str]:
 
 def _mutated(rng: random.Random, line: str, known: list[str]) -> str:
     words = line.split(" ")
-    for _ in range(rng.choice([0, 0, 1, 1, 2, 4])):
+    for _ in range(rng.choice([0, 0, 0, 1, 1, 3])):
         i = rng.randrange(len(words))
         match rng.randrange(7):
             case 0:

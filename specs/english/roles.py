@@ -161,7 +161,8 @@ def _bare(
 ) -> Noun | None:
     """A phrase without a noun: "to the left" is a direction, "your left" and "both" an arm."""
     alone = noun.side and not (noun.other or noun.both)
-    towards = relation in ("to", "toward", "for", "from")
+    on = phrase.preposition is not None and phrase.preposition.text.lower().endswith("on")
+    towards = relation in ("to", "toward", "for", "from") and not on
     if noun.side and alone and (towards or (not relation and noun.words[0].kind == "SIDE")):
         _way(roles, Way(noun.side, phrase.words), aspect)
         return aspect
