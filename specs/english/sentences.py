@@ -3,13 +3,13 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 from specs.english.vocabulary import Entry
 from specs.errors import Position
 
 
-@dataclass(frozen=True)
-class Raw:
+class Raw(NamedTuple):
     """A piece of text and where it stands; columns are counted from 1."""
 
     text: str
