@@ -20,7 +20,16 @@ from arbiter import Arbiter
 from primitives import AvoidCollisions, CompensateGravity, GetPosture, GoToPoint, Primitive
 from primitives.parameters import Controller
 from sim import BareWorld, Body, PalmGoal, Recorder, World, adonis, reach
-from specs import BoundTask, SubTask, TaskSpec, bind_task, load_task, load_variant
+from specs import (
+    BoundTask,
+    SubTask,
+    TaskSpec,
+    bind_task,
+    build_graph,
+    load_task,
+    load_variant,
+    task_from_text,
+)
 
 TURN = 200  # steps
 ROUNDS = 5  # turns of each of several things
@@ -58,6 +67,8 @@ def measure(*, quick: bool = False, tell: Callable[[str], None] = print) -> Any:
     figures["composition"] = composition(body, tell, against_physics)
     tell("a graph of 10 000 sub-tasks")
     figures["graph"] = _graphs(body, 1000 if quick else 4000)
+    tell("10 000 sentences in English")
+    figures["english"] = _english(1000 if quick else 10_000)
     tell("start-up")
     figures["start_up"] = _start_up()
     return figures
@@ -262,6 +273,24 @@ def _graphs(body: Body, steps: int) -> dict[str, float]:
         figures[f"step_{count}_us"] = round(seconds / done * 1e6, 3)
     figures["step_ratio"] = round(spent[10_000] / spent[12], 3)
     return figures
+
+
+def _english(sentences: int) -> dict[str, float]:
+    """Time from a text of so many sentences to its task, and on to its graph [s]."""
+    said = [subtask.words for subtask in load_task("macarena-words")[0].subtasks]
+    said += ["Raise your left arm and look at it.", "Put your hands on your hips, then nod twice."]
+    text = "\n".join(said[k % len(said)] for k in range(sentences))
+    task_from_text("Nod.", "first.txt")  # reads the vocabulary
+    began = time.perf_counter()
+    spec, document = task_from_text(text, "long.txt")
+    parsed = time.perf_counter()
+    build_graph(spec, document)
+    return {
+        "sentences": sentences,
+        "subtasks": len(spec.subtasks),
+        "to_task_s": round(parsed - began, 3),
+        "to_graph_s": round(time.perf_counter() - parsed, 3),
+    }
 
 
 def _start_up() -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""The command line: `adonis run`, `check`, `compare`, `graph`, `list`, `trials`, `bench`."""
+"""The command line: `adonis run`, `check`, `graph`, `list`, `compare`, `trials`, `bench`."""
 
 import os
 import sys
@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperGroup
+
+from adonis.teaching import ExplainOption, print_explanation, translate, words
 
 if TYPE_CHECKING:
     from specs import BoundTask, Document, TaskSpec
@@ -156,6 +158,7 @@ def check(
     body: BodyOption = "adonis",
     tempo: TempoOption = None,
     primitives: PrimitivesOption = None,
+    explain: ExplainOption = False,
 ) -> None:
     """Find what is wrong with a task, without simulating it.
 
@@ -168,6 +171,8 @@ def check(
 
     from specs import doubts
 
+    if explain:
+        print_explanation(task)
     bound = _bind(task, body, tempo, primitives)
     spec, graph = bound.spec, bound.graph
     table = Table(title=escape(spec.title or spec.task), title_justify="left")
@@ -183,8 +188,7 @@ def check(
         more = (escape(graph.subtasks[name].circumstances),) if depends else ()
         times = f"{start:.2f}", f"{end:.2f} s"
         table.add_row(str(number), name, does.kind, moves.replace("_", " "), *times, *more)
-    console = Console()
-    console.print(table)
+    (console := Console()).print(table)
     beside = ", ".join(f"{b.name} ({b.does.kind})" for b in spec.background) or "nothing"
     console.print(f"Beside them: {beside}.", soft_wrap=True)
     console.print(
@@ -375,6 +379,10 @@ def bench(
             write_text(file, figures + "\n")
     except OutputError as problem:
         _refuse(problem)
+
+
+for command in (translate, words):
+    app.command()(command)
 
 
 def main() -> None:

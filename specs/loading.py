@@ -12,9 +12,10 @@ from sim import unknown
 from specs.available import available_primitives
 from specs.blame import told
 from specs.conditions import Condition, Join, Repeat
+from specs.english.lesson import read_lesson
 from specs.errors import SpecError
 from specs.graph_reading import task_of_graph
-from specs.reading import Document, Path_, read_file, read_text
+from specs.reading import Document, Path_, read_file, read_source, read_text
 from specs.task import Background, SubTask, TaskSpec, keys_of
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -25,12 +26,14 @@ PARTS: dict[str | int, type[BaseModel]] = {  # what stands below a key of a sub-
     "repeat": Repeat,
     "until": Condition,
 }
+ENGLISH = (".txt", ".md")  # files of these kinds are lessons in English, others YAML
 LIBRARY = Path(str(files("specs") / "library"))
 
 
 def library() -> dict[str, Path]:
     """The tasks that come with the package, by name."""
-    return {path.stem: path for path in sorted(LIBRARY.glob("*.yaml"))}
+    found = (path for path in LIBRARY.iterdir() if path.suffix in (".yaml", ".txt"))
+    return {path.stem: path for path in sorted(found)}
 
 
 def find_task(name: str) -> Path:
@@ -44,7 +47,7 @@ def find_task(name: str) -> Path:
     if name in library():
         return library()[name]
     path = Path(name)
-    if not path.exists() and path.suffix not in (".yaml", ".yml", ".json"):
+    if not path.exists() and path.suffix not in (".yaml", ".yml", ".json", *ENGLISH):
         raise SpecError(f"no such file, and {unknown('task of the library', name, library())}")
     return path
 
@@ -64,15 +67,21 @@ def load_task(
     Raises:
         SpecError: with file, line and column.
     """
-    document = task_of_graph(read_file(find_task(str(task))))
+    path = find_task(str(task))
+    if path.suffix in ENGLISH:
+        return task_from_text(read_source(path), str(path), primitives=primitives)
+    document = task_of_graph(read_file(path))
     return parse_task(document, primitives=primitives), document
 
 
 def task_from_text(
     text: str, file: str = "task", *, primitives: Iterable[type[Primitive]] = ()
 ) -> tuple[TaskSpec, Document]:
-    """Read a task from a string; `file` is what errors call it."""
-    document = task_of_graph(read_text(text, file))
+    """Read a task from a string; `file` is what errors call it, and says whether it is English."""
+    if Path(file).suffix in ENGLISH:
+        document = read_lesson(text, file).document
+    else:
+        document = task_of_graph(read_text(text, file))
     return parse_task(document, primitives=primitives), document
 
 

@@ -49,6 +49,15 @@ def read_file(path: Path) -> Document:
     Raises:
         SpecError: it is missing, too large, not text, or not YAML.
     """
+    return read_text(read_source(path), str(path))
+
+
+def read_source(path: Path) -> str:
+    """The text of a file.
+
+    Raises:
+        SpecError: it is missing, too large, or not text.
+    """
     shown = str(path)
     try:
         size = path.stat().st_size
@@ -59,13 +68,12 @@ def read_file(path: Path) -> Document:
                 f"has {size / 1e6:.0f} MB; a task file has at most {MOST_BYTES / 1e6:.0f} MB",
                 file=shown,
             )
-        text = path.read_bytes().decode("utf-8")
+        return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         raise SpecError(f"is not UTF-8 text (byte {problem.start})", file=shown) from None
     except (OSError, ValueError) as problem:
         reason = problem.strerror if isinstance(problem, OSError) else str(problem)
         raise SpecError(f"cannot be read: {reason}", file=shown) from None
-    return read_text(text, shown)
 
 
 def read_text(text: str, file: str) -> Document:

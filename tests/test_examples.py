@@ -4,12 +4,16 @@ import os
 import re
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import pytest
 
 from sim import Body
 from specs import SpecError, bind_task, task_from_text
+from specs.english.explaining import explain
+from specs.english.lesson import read_lesson
+from specs.english.reference import reference
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
@@ -76,6 +80,24 @@ def test_python_in_the_documentation_runs(text: str, tmp_path: Path) -> None:
 def test_tasks_in_the_documentation_bind(text: str, body: Body) -> None:
     spec, document = task_from_text(text, "shown.yaml")
     bind_task(spec, body, document)
+
+
+@pytest.mark.parametrize("text", shown("lesson"))
+def test_lessons_in_the_documentation_bind(text: str, body: Body) -> None:
+    spec, document = task_from_text(text, "shown.txt")
+    bind_task(spec, body, document)
+
+
+def test_the_page_on_english_shows_what_one_sees() -> None:
+    """The mistake, the explanation and the vocabulary that it prints."""
+    page = (ROOT / "docs" / "english.md").read_text(encoding="utf-8")
+    with pytest.raises(SpecError) as caught:
+        task_from_text("Raise your arm.", "hello.txt")
+    assert textwrap.indent(str(caught.value), "    ") in page
+    lesson = read_lesson("Nod.\n\nPut your right hand on your hip, slowly.", "hello.txt")
+    explained = explain(lesson).split("\n\n")[-1]
+    assert textwrap.indent(explained, "    ") in page
+    assert page.split("<!-- vocabulary -->\n")[1].split("<!-- end -->")[0] == reference()
 
 
 @pytest.mark.parametrize("text", shown("sh"))

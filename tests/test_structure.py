@@ -16,6 +16,7 @@ OWNERS = {
     "mujoco": {"sim"},
     "numba": {"primitives", "arbiter"},
     "ruamel": {"specs"},
+    "lark": {"specs"},
     "networkx": {"specs", "arbiter"},
     "typer": {"adonis"},
     "rich": {"adonis"},

@@ -1,0 +1,95 @@
+"""What a sentence can refer to: the hand used last, and how each arm is held."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from specs.english.problems import Problem
+from specs.english.sentences import Noun, Word
+from specs.english.steps import SIDES, opposite
+
+Held = dict[str, Any]  # arm, elbow, palm: as a posture says it
+HANGING: Held = {"arm": "down", "elbow": "straight"}
+
+
+@dataclass
+class Hands:
+    """Which hands are meant, and why."""
+
+    sides: tuple[str, ...]
+    words: tuple[Word, ...] = ()
+    assumed: str = ""
+
+    @property
+    def both(self) -> bool:
+        """Whether it is the two of them."""
+        return len(self.sides) == 2
+
+
+@dataclass
+class Context:
+    """Goes from sentence to sentence."""
+
+    last: tuple[str, ...] = ()  # sides of the arms that were moved last
+    arms: dict[str, Held | None] = field(default_factory=lambda: dict.fromkeys(SIDES, HANGING))
+    raised: set[str] = field(default_factory=set)  # arms that are up, to wave
+    mirrored: bool = False  # whether left is right: "repeat with the other hand"
+
+    def side(self, said: str) -> str:
+        """The side that a word means."""
+        return opposite(said) if self.mirrored and said in SIDES else said
+
+    def hands(self, noun: Noun | None, *, default: str = "", both: bool = False) -> Hands:
+        """Which hands a noun phrase means; nothing said is the hand used last.
+
+        Args:
+            noun: what was said, if anything.
+            default: the side to take when nothing was said and no hand was used.
+            both: take both then.
+
+        Raises:
+            Problem: it could be one or the other.
+        """
+        if noun is None:
+            return self._understood(default, both)
+        words = noun.words
+        if noun.side and not noun.both:
+            return Hands((self.side(noun.side),), words)
+        if noun.other:
+            if len(self.last) != 1:
+                raise Problem.of(
+                    f"{_text(noun)!r}: other than which? no hand was used alone before", words
+                )
+            return Hands((opposite(self.last[0]),), words)
+        if noun.some:
+            raise Problem.of(_which(noun), words)
+        key = noun.pronoun.entry.key if noun.pronoun else ""
+        if noun.plural or key == "them":
+            return Hands(SIDES, words)
+        if len(self.last) == 1:
+            return Hands(self.last, words, f"{_text(noun)!r} is the {self.last[0]} one, used last")
+        if key == "it":
+            raise Problem.of(
+                f"{_text(noun)!r} could be your right hand or your left hand: say which", words
+            )
+        raise Problem.of(_which(noun), words)
+
+    def _understood(self, default: str, both: bool) -> Hands:
+        if both:
+            return Hands(SIDES, (), "both hands")
+        if default:
+            return Hands((default,), (), f"the {default} hand")
+        if len(self.last) == 1:
+            return Hands(self.last, (), f"the {self.last[0]} hand, used last")
+        side = self.side("right")
+        return Hands((side,), (), f"the {side} hand, since none is named")
+
+
+def _which(noun: Noun) -> str:
+    word = noun.noun.text if noun.noun else "hand"
+    return (
+        f"{_text(noun)!r} could be your right {word}, your left {word} or both {word}s: say which"
+    )
+
+
+def _text(noun: Noun) -> str:
+    return " ".join(word.text for word in noun.words)

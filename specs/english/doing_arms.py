@@ -1,0 +1,237 @@
+"""Verbs of how arms are held: what each makes of a clause. See `senses` in vocabulary.yaml.
+
+Each function takes the roles of a clause, the sense of its verb, and the context; it returns
+stages, one after the other, each a list of steps at the same time. `USES` says which roles it has
+a use for besides those of time.
+"""
+
+from math import cos, radians, sin
+from typing import Any
+
+from specs.english.context import HANGING, Context, Hands
+from specs.english.doing import (
+    Sense,
+    Stages,
+    hands_of,
+    limb,
+    quoted,
+    raised,
+    shown,
+    size_of,
+    step_of,
+)
+from specs.english.places import VECTORS, direction, facing
+from specs.english.problems import Problem
+from specs.english.roles import Roles
+from specs.english.steps import SIDES, Step, plain
+
+OVER = {
+    "up": "down",
+    "down": "up",
+    "forward": "back",
+    "back": "forward",
+    "left": "right",
+    "right": "left",
+}
+
+
+def arm(roles: Roles, sense: Sense, context: Context) -> Stages:
+    """Hold an arm in a direction: get-posture."""
+    if [way.key for way in roles.ways] in (["rest"], ["down", "rest"]):
+        return rest(roles, sense, context)
+    hands = hands_of(roles, context)
+    steps = []
+    for side in hands.sides:
+        step = limb(hands, step_of(roles, "get-posture", side), side)
+        posture: dict[str, Any] = {}
+        ways = [way for way in roles.ways if way.key != "there"]
+        if ways or "arm" not in sense:
+            posture["arm"], assumed = direction(ways, side, context)
+            for way in ways:
+                step.because(way.words, "posture", f"arm: {shown(posture['arm'])}")
+            if assumed:
+                step.assume(assumed)
+        else:
+            posture["arm"] = sense["arm"]
+            step.assume(f"arm {sense['arm']}, since no direction is said")
+        if roles.angle is not None:
+            posture["arm"] = _tilted(posture["arm"], roles.angle.number)
+            step.because(roles.angle.words, "posture", f"arm: {shown(posture['arm'])}")
+            step.assume("degrees from hanging down")
+        posture["elbow"] = _elbow(roles, sense, step)
+        if roles.palm:
+            posture["palm"] = facing(roles.palm[-1], side, context)
+            step.because(roles.palm[-1].words, "posture", f"palm: {posture['palm']}")
+        step.parameters["posture"] = posture
+        context.arms[side] = dict(posture)
+        raised(context, side, up=posture["arm"] == "up")
+        steps.append(step)
+    context.last = hands.sides
+    return [steps]
+
+
+def _elbow(roles: Roles, sense: Sense, step: Step) -> str | float:
+    said = [*roles.elbow, *roles.states]
+    if not said:
+        if sense.get("elbow"):
+            step.assume(f"elbow {sense['elbow']}")
+        return str(sense.get("elbow", "straight"))
+    key = said[-1].key
+    known: dict[str, str | float] = {"straight": "straight", "bent": 90}
+    value = known.get(key, "")
+    if value == "":
+        try:
+            value = plain(float(key))
+        except ValueError:
+            raise Problem.of(
+                "an elbow is straight, bent, or bent by so many degrees", said[-1].words
+            ) from None
+    step.because(said[-1].words, "posture", f"elbow: {value}")
+    if key == "bent":
+        step.assume("elbow bent by 90 degrees")
+    return value
+
+
+def _tilted(way: str | list[float], degrees: float) -> list[float]:
+    """So many degrees from hanging, towards a direction."""
+    towards = VECTORS[way] if isinstance(way, str) else way
+    a = radians(degrees)
+    return [
+        plain(round(sin(a) * c - (cos(a) if k == 2 else 0.0), 3)) for k, c in enumerate(towards)
+    ]
+
+
+def rest(roles: Roles, sense: Sense, context: Context) -> Stages:
+    """Let an arm hang as at the beginning: get-posture rest."""
+    for way in roles.ways:
+        if way.key not in ("rest", "down"):
+            raise Problem.of(f"{quoted(way.words)} has no meaning with {roles.verb!r}", way.words)
+    hands = hands_of(roles, context)
+    steps = []
+    for side in hands.sides:
+        step = limb(hands, step_of(roles, "get-posture", side, posture="rest"), side)
+        for way in roles.ways:
+            step.because(way.words, "posture", "rest")
+        if not roles.ways:
+            step.assume("lowered to the posture of rest")
+        context.arms[side] = HANGING
+        raised(context, side, up=False)
+        steps.append(step)
+    context.last = hands.sides
+    return [steps]
+
+
+def elbow(roles: Roles, sense: Sense, context: Context) -> Stages:
+    """Bend or straighten elbows and leave the shoulder as it is: get-posture of that joint."""
+    hands = hands_of(roles, context)
+    degrees = float(sense["degrees"])
+    if roles.angle is not None:
+        degrees = roles.angle.number
+    elif degrees:
+        degrees *= size_of(roles)
+    joints = [f"{side}_elbow" for side in hands.sides]
+    posture = dict.fromkeys(joints, plain(degrees))
+    step = Step(
+        roles.clause, "get-posture", {"joints": joints, "posture": posture},
+        frozenset(f"{side}_arm" for side in hands.sides),
+    )  # fmt: skip
+    step.because(roles.clause.words[:1], "primitive", "get-posture")
+    if hands.words:
+        step.because(hands.words, "joints", ", ".join(joints))
+    if roles.angle is not None:
+        step.because(roles.angle.words, "posture", f"{degrees:g} degrees")
+    else:
+        step.assume(f"elbow at {degrees:g} degrees")
+    if hands.assumed:
+        step.assume(hands.assumed)
+    for side in hands.sides:
+        context.arms[side] = None
+    context.last = hands.sides
+    return [[step]]
+
+
+def palm(roles: Roles, sense: Sense, context: Context) -> Stages:
+    """Turn a palm and leave the arm where it is: get-posture with the arm as it was."""
+    hands = hands_of(roles, context)
+    ways = [*roles.palm, *(way for way in roles.ways if way.key not in ("there",))]
+    steps = []
+    for side in hands.sides:
+        held = context.arms[side]
+        if held is None:
+            raise Problem.of(
+                f"how the {side} arm is held is not known here, so only its palm cannot turn: say"
+                f" both, such as 'Extend your {side} arm forward, palm up'",
+                roles.clause.words,
+            )
+        step = limb(hands, step_of(roles, "get-posture", side), side)
+        if sense.get("over") or (ways and ways[-1].key == "over"):
+            if held.get("palm") not in OVER:
+                raise Problem.of(
+                    f"which way the {side} palm faces is not known here: say 'palm up' or"
+                    " 'palm down'",
+                    roles.clause.words,
+                )
+            facing_ = OVER[str(held["palm"])]
+            step.because(
+                ways[-1].words if ways else roles.clause.words[:1], "posture", f"palm: {facing_}"
+            )
+        elif ways:
+            facing_ = facing(ways[-1], side, context)
+            step.because(ways[-1].words, "posture", f"palm: {facing_}")
+        else:
+            raise Problem.of(
+                f"{roles.verb!r} which way? say 'palm up', 'palm down', 'palm forward' or 'over'",
+                roles.clause.words,
+            )
+        posture = {"arm": held["arm"], "elbow": held.get("elbow", "straight"), "palm": facing_}
+        step.parameters["posture"] = posture
+        step.assume(f"arm {shown(held['arm'])} as before, elbow {posture['elbow']}")
+        context.arms[side] = posture
+        steps.append(step)
+    context.last = hands.sides
+    return [steps]
+
+
+def relax(roles: Roles, sense: Sense, context: Context) -> Stages:
+    """Let arms hang loose: relax."""
+    hands = (
+        Hands(SIDES, (), "both arms")
+        if roles.object is None and roles.hand is None
+        else hands_of(roles, context)
+    )
+    steps = []
+    for side in hands.sides:
+        step = limb(hands, step_of(roles, "relax", side), side)
+        if sense.get("limp"):
+            step.parameters["limp"] = True
+            step.assume("falls by its own weight")
+        else:
+            step.assume("floats where it is, its weight still carried; 'drop' lets it fall")
+        step.lasting = True
+        context.arms[side] = None
+        raised(context, side, up=False)
+        steps.append(step)
+    context.last = hands.sides
+    return [steps]
+
+
+def hold(roles: Roles, sense: Sense, context: Context) -> Stages:
+    """Keep something as it is: hold."""
+    if "joints" in sense or roles.object is None:
+        joints = list(sense.get("joints", ["all"]))
+        moves = frozenset(
+            {"right_arm", "left_arm", "waist", "neck"} if joints == ["all"] else joints
+        )
+        step = Step(roles.clause, "hold", {"joints": joints}, moves, lasting=True)
+        step.because(roles.clause.words[:1], "primitive", "hold")
+        if roles.object is None:
+            step.assume("all joints")
+        return [[step]]
+    hands = hands_of(roles, context)
+    steps = []
+    for side in hands.sides:
+        step = limb(hands, step_of(roles, "hold", side), side)
+        step.lasting = True
+        steps.append(step)
+    context.last = hands.sides
+    return [steps]

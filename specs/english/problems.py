@@ -1,0 +1,72 @@
+"""Problems of a text, each with its place, reported together."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from specs.english.sentences import Raw, Word
+from specs.errors import Position, SpecError
+
+MOST = 20  # problems that are shown
+LONGEST = 40  # characters of a word that neighbours are looked for
+WIDEST = 160  # characters of a line that are shown
+
+
+@dataclass(eq=False)
+class Problem(Exception):
+    """What is wrong with some words, and which."""
+
+    message: str
+    raws: tuple[Raw, ...]
+    unknown: str = ""  # a word nobody knows: its neighbours are looked for when it is shown
+
+    @classmethod
+    def of(cls, message: str, words: Iterable[Word]) -> "Problem":
+        """A problem with these words."""
+        return cls(message, tuple(raw for word in words for raw in word.raws))
+
+    @property
+    def position(self) -> Position:
+        """Where it begins."""
+        return self.raws[0].position if self.raws else Position(1, 1)
+
+    def told(self, known: Sequence[str]) -> str:
+        """The message, with the nearest of the known words."""
+        if not self.unknown:
+            return self.message
+        return self.message + nearest(self.unknown, known)
+
+
+def nearest(word: str, known: Sequence[str]) -> str:
+    """What may have been meant instead of a word; of several forms of one, the first."""
+    close = get_close_matches(word[:LONGEST].lower(), known, n=3, cutoff=0.7)
+    close = [c for k, c in enumerate(close) if not any(c.startswith(d) for d in close[:k])]
+    return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
+
+
+def excerpt(problem: Problem, lines: Sequence[str]) -> str:
+    """The line that a problem stands in, with its words underlined."""
+    at = problem.position
+    if not problem.raws or not 1 <= at.line <= len(lines):
+        return ""
+    here = [raw for raw in problem.raws if raw.line == at.line]
+    first, last = at.column - 1, max(raw.end for raw in here) - 1
+    begin = max(0, min(first - 20, last - WIDEST))
+    shown = lines[at.line - 1][begin : begin + WIDEST].replace("\t", " ").rstrip()
+    length = max(1, min(last, begin + WIDEST) - first)
+    return f"    {shown}\n    {' ' * (first - begin)}{'^' * length}"
+
+
+def error_of(
+    problems: Sequence[Problem], lines: Sequence[str], file: str, known: Sequence[str]
+) -> SpecError:
+    """One error that tells all problems of a text, the first of them in its first line."""
+    ordered = sorted(problems, key=lambda p: (p.position.line, p.position.column))
+    told: list[str] = []
+    for problem in ordered[:MOST]:
+        at = problem.position
+        where = f"{file}:{at.line}:{at.column}: " if told else ""
+        told.append(f"{where}{problem.told(known)}\n{excerpt(problem, lines)}".rstrip())
+    if len(ordered) > MOST:
+        told.append(f"… and {len(ordered) - MOST} more")
+    return SpecError("\n".join(told), file=file, position=ordered[0].position)
