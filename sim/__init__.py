@@ -14,6 +14,7 @@ from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
 from sim.state import State
+from sim.way import Detour, Way, find_way, straight_way
 from sim.world import BareWorld, Push, World
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "BodyMap",
     "Capsules",
     "Closest",
+    "Detour",
     "Diverged",
     "Frame",
     "Gaze",
@@ -49,10 +51,12 @@ __all__ = [
     "Spot",
     "Spring",
     "State",
+    "Way",
     "World",
     "adonis",
     "carrier",
     "find_gaze",
+    "find_way",
     "inertias",
     "inverse_dynamics",
     "joint_inertia",
@@ -66,5 +70,6 @@ __all__ = [
     "render_video",
     "site_paths",
     "straight_motion",
+    "straight_way",
     "unknown",
 ]

@@ -318,7 +318,7 @@ class Body:
             one, other = sorted((self.link(n) for n in names), key=lambda b: b not in own)
             if one not in own or other in limbs or (one == arm.hand and other == touched):
                 continue
-            mine, theirs = (self._colliding(link) for link in (one, other))
+            mine, theirs = (self.colliding(link) for link in (one, other))
             if mine and theirs:
                 found.append((mine, theirs))
         return found
@@ -355,7 +355,7 @@ class Body:
         model = self.model
         wanted = sorted({self.link(name) for name in links})
         ids, start, end = [], [], []
-        for g in (g for link in wanted for g in self._colliding(link)):
+        for g in (g for link in wanted for g in self.colliding(link)):
             kind = model.geom_type[g]
             if kind == mujoco.mjtGeom.mjGEOM_CAPSULE.value:
                 half = _matrix(model.geom_quat[g])[:, 2] * model.geom_size[g, 1]
@@ -394,13 +394,13 @@ class Body:
         mujoco.mj_kinematics(self.model, data)
         least = within
         for names in self.map.keep_apart:
-            one, other = (self._colliding(self.link(name)) for name in names)
+            one, other = (self.colliding(self.link(name)) for name in names)
             for a in one:
                 for b in other:
                     least = min(least, mujoco.mj_geomDistance(self.model, data, a, b, least, None))
         return float(least)
 
-    def _colliding(self, link: int) -> list[int]:
+    def colliding(self, link: int) -> list[int]:
         """The geoms of a link that can collide."""
         of_link = np.flatnonzero(self.model.geom_bodyid == link)
         return [int(g) for g in of_link if self.model.geom_contype[g]]
