@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.body_map import BodyMap, Limb, Servo
-from sim.errors import BodyError, unknown
+from sim.errors import BeyondRange, BodyError, unknown
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -195,7 +195,7 @@ class Body:
         outside = np.flatnonzero((q < low - 1e-6) | (q > high + 1e-6))
         if outside.size:
             j = int(outside[0])
-            raise BodyError(
+            raise BeyondRange(
                 f"{self.dof_name(j)} cannot be {np.rad2deg(q[j]):.0f} degrees"
                 f" (it moves from {np.rad2deg(low[j]):.0f} to {np.rad2deg(high[j]):.0f})"
             )

@@ -19,7 +19,9 @@ def clearances(body: Body, way: FloatArray, pairs: Iterable[tuple[str, str]]) ->
     Negative is how deep they are in each other.
     """
     model, data = body.model, mujoco.MjData(body.model)
-    couples = [(_geoms(body, one), _geoms(body, other)) for one, other in pairs]
+    couples = [
+        (body.colliding(body.link(one)), body.colliding(body.link(other))) for one, other in pairs
+    ]
     found = np.full((len(way), len(couples)), FAR)
     for k, q in enumerate(way):
         data.qpos[:] = q
@@ -64,8 +66,3 @@ def _depth(shapes: Capsules, point: FloatArray) -> float:
     share = np.clip(share / np.maximum(np.einsum("ci,ci->c", along, along), 1e-12), 0.0, 1.0)
     nearest = shapes.start + share[:, None] * along
     return float(np.max(shapes.radius - np.linalg.norm(point - nearest, axis=1)))
-
-
-def _geoms(body: Body, link: str) -> list[int]:
-    own = (body.model.geom_bodyid == body.link(link)) & (body.model.geom_contype > 0)
-    return [int(g) for g in np.flatnonzero(own)]

@@ -15,7 +15,6 @@ the springs ask for.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -28,6 +27,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 STEP = 0.004  # of the integration, which is implicit [s]
+LOST = np.pi  # [rad] of lag
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,7 @@ class Lag:
     off: FloatArray  # (h, j) the lag from the end of the sub-task to that of the holding [rad]
     speed: FloatArray  # (j,) largest speed of each joint, as a share of its limit
     torque: FloatArray  # (j,) largest torque that the way takes, as a share of the motors' limits
+    lost: bool  # whether it lags so far behind that nothing can be told without simulating
 
 
 class Haste:
@@ -47,11 +48,14 @@ class Haste:
         dofs: the joints that move (j,).
         springs: along the way, at even shares of the time that the set point travels.
         carried: whether something else carries the weight.
+        blur: the springs do not follow what is quicker than this on the way [s].
     """
 
-    def __init__(self, body: Body, dofs: IntArray, springs: Springs, *, carried: bool) -> None:
+    def __init__(
+        self, body: Body, dofs: IntArray, springs: Springs, *, carried: bool, blur: float = 0.0
+    ) -> None:
         self._body, self._dofs, self._springs = body, dofs, springs
-        self._carried = carried
+        self._carried, self._blur = carried, blur
 
     def in_time(self, travel: float, duration: float, hold: float, hand_over: float) -> Lag:
         """What becomes of it.
@@ -62,14 +66,14 @@ class Haste:
             hold: how long the goal is then held [s].
             hand_over: cross-fade from what held the joints before [s].
         """
-        parts, s = self._parts, self._springs
+        parts, s = self._parts(travel), self._springs
         last = len(s.qpos) - 1
         steps = max(40, int(np.ceil((duration + hold) / STEP)))
         dt = (duration + hold) / steps
         count = len(self._dofs)
         e, rate = np.zeros(count), np.zeros(count)
         limit = self._body.torque_limit[self._dofs]
-        kept, fastest = [], np.zeros(count)
+        kept, fastest, lost = [], np.zeros(count), False
         for i in range(1, steps + 1):
             t = i * dt
             at = min(t / travel, 1.0) * last
@@ -109,26 +113,26 @@ class Haste:
             rate = new
             e = e + dt * rate
             fastest = np.maximum(fastest, np.abs(speed - rate))
+            lost = lost or bool(np.abs(e).max() > LOST)
             if t >= duration - 0.5 * dt:
                 kept.append(e)
         speed_limit = self._body.speed_limit[self._dofs]
-        return Lag(np.array(kept), fastest / speed_limit, self.torque(travel))
+        return Lag(np.array(kept), fastest / speed_limit, self._torque(parts, travel), lost)
 
-    def torque(self, travel: float) -> FloatArray:
+    def _torque(self, parts: "_Parts", travel: float) -> FloatArray:
         """Largest torque (j,) that the way takes in a time [s], as a share of the limits."""
-        parts, limit = self._parts, self._body.torque_limit[self._dofs]
+        limit = self._body.torque_limit[self._dofs]
         own = np.einsum("kij,kj->ki", parts.passive, parts.speed)
         whole = parts.push / travel**2 + own / travel + parts.weight
         share: FloatArray = np.abs(whole).max(axis=0) / np.where(limit > 0.0, limit, np.inf)
         return share
 
-    @cached_property
-    def _parts(self) -> "_Parts":
-        body, dofs, qpos = self._body, self._dofs, self._springs.qpos
+    def _parts(self, travel: float) -> "_Parts":
+        body, dofs, qpos = self._body, self._dofs, self._springs.qpos.copy()
         model, data = body.model, mujoco.MjData(body.model)
         columns = body.qpos_of_dof[dofs]
         share = np.linspace(0.0, 1.0, len(qpos))
-        angles = qpos[:, columns]
+        angles = qpos[:, columns] = _blurred(qpos[:, columns], self._blur / travel * len(qpos))
         first = np.gradient(angles, share, axis=0, edge_order=2)
         second = np.gradient(first, share, axis=0, edge_order=2)
         count = len(dofs)
@@ -167,3 +171,15 @@ class _Parts:
 def _step(s: float) -> float:
     """The rise of an activation: Mataric et al. (1999), eq 5."""
     return min(max(s, 0.0), 1.0) if not 0.0 < s < 1.0 else s - np.sin(2.0 * np.pi * s) / (2 * np.pi)
+
+
+def _blurred(way: FloatArray, width: float) -> FloatArray:
+    """A way (k, j) without what is quicker than some of its rows; its ends stay."""
+    reach = int(np.ceil(3.0 * width))
+    if reach < 1 or width < 0.1:
+        return way
+    bell = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
+    padded = np.pad(way, ((reach, reach), (0, 0)), mode="edge")
+    smooth = [np.convolve(column, bell / bell.sum(), mode="valid") for column in padded.T]
+    blurred: FloatArray = np.stack(smooth, axis=1)
+    return blurred

@@ -4,10 +4,10 @@ from specs.available import available_primitives, primitives_in
 from specs.binding import BoundTask, bind_task
 from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
-from specs.doubting import doubts
 from specs.errors import Position, SpecError
 from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
 from specs.groups import Group
+from specs.lint import KINDS, Finding, lint_task, refusal
 from specs.loading import library, load_task, task_from_text
 from specs.reading import Document
 from specs.task import Background, SubTask, TaskSpec, with_tempo
@@ -17,7 +17,9 @@ __all__ = [
     "Background",
     "BoundTask",
     "Condition",
+    "KINDS",
     "Document",
+    "Finding",
     "Group",
     "Join",
     "Position",
@@ -29,11 +31,12 @@ __all__ = [
     "available_primitives",
     "bind_task",
     "build_graph",
-    "doubts",
     "library",
+    "lint_task",
     "load_task",
     "load_variant",
     "primitives_in",
+    "refusal",
     "task_from_text",
     "task_to_yaml",
     "to_dot",

@@ -17,7 +17,7 @@ from primitives import (
     PrimitiveError,
     Relax,
 )
-from sim import Body, BodyError
+from sim import BeyondRange, Body, BodyError
 from specs.blame import told
 from specs.conditions import BoundCondition, Condition, bind_condition
 from specs.errors import SpecError
@@ -151,7 +151,8 @@ def _bind(
         wrong = _no_field(field, body)
     except (BodyError, PrimitiveError) as problem:
         where, key = _named(document, path, str(problem))
-        raise document.error(f"{name}: {problem}", where, key=key) from None
+        code = "joint-limit" if isinstance(problem, BeyondRange) else "refused"
+        raise document.error(f"{name}: {problem}", where, key=key, code=code) from None
     except (Exception, SystemExit) as problem:  # whatever the user's own code raises
         said = f"{name}: bind of {type(primitive).__name__} raised {told(problem)}"
         raise document.error(said, path) from problem
@@ -291,6 +292,7 @@ def _check_claims(
                     f"{name!r} and {graph.order[a]!r} both claim {body.dof_name(dof)}, and"
                     f" {neither}: name one in the other's 'after'",
                     places[name],
+                    code="claims",
                 )
             masks[dof] = masks.get(dof, 0) | 1 << b
 

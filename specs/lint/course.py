@@ -23,6 +23,7 @@ from specs.binding import BoundTask
 from specs.lint.success import missing
 
 NODES = 41  # places of a way that are looked at
+HAND_MASS = 1.0  # [kg] about what a palm seems to weigh to a spring that pulls it
 PALM_WAITS = 0.3  # share of a movement for which the palm keeps its place on the forearm
 
 
@@ -128,6 +129,8 @@ def _move(
     if np.isnan(posture[body.qpos_of_dof[field.claims]]).any():
         return None
     start = np.where(np.isnan(posture), body.home, posture)
+    if does.controller == "torque-field" and does.via:
+        return None  # it has pulses instead of a set point that runs through via postures
     travel, touched = does.travel, -1
     if isinstance(field, PostureField):
         springs = _joint_springs(body, does, field, start, travel * duration)
@@ -138,7 +141,12 @@ def _move(
         touched = field.hand_goal.touched
     else:
         return None
-    follows = does.controller in ("pd-servo", "impedance")
+    blur = 0.0
+    if isinstance(field, ReachField):
+        blur = np.sqrt(HAND_MASS / float(field.springs[0]["stiffness"]))
+    haste = None
+    if does.controller in ("pd-servo", "impedance"):
+        haste = Haste(body, field.claims, springs, carried=carried, blur=blur)
     return Move(
         name=name,
         dofs=field.claims,
@@ -149,7 +157,7 @@ def _move(
         hand_over=hand_over,
         limb=does.limb,
         touched=touched,
-        haste=Haste(body, field.claims, springs, carried=carried) if follows else None,
+        haste=haste,
         miss=missing(body, does, field, springs.qpos[-1]),
     )
 
@@ -213,3 +221,10 @@ def _turned(start: FloatArray, goal: FloatArray, share: FloatArray) -> FloatArra
     a, b = np.sin((1.0 - share) * angle), np.sin(share * angle)
     between: FloatArray = (a[:, None] * start + b[:, None] * goal) / np.sin(angle)
     return between
+
+
+def led_by(task: BoundTask, does: GetPosture | GoToPoint, move: Move) -> FloatArray | None:
+    """The way (k, nq) of a movement if another primitive did it."""
+    field = does.bind(task.body, move.duration)
+    made = _move(task.body, move.name, does, field, move.way[0], move.duration, 0.0, 0.0, True)
+    return None if made is None else made.way

@@ -1,0 +1,153 @@
+"""collision: ways on which links go into each other that must not touch, and a way round."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from primitives import GetPosture, GoToPoint, ViaPlace, ViaPosture
+from primitives.primitive import FloatArray
+from sim import Body
+from sim.clearance import clearances
+from sim.spring_way import axes_of, origin, places_of
+from specs.binding import BoundTask
+from specs.lint.course import Move, led_by
+from specs.lint.finding import Finding, Places, cm, point
+from specs.tolerances import PENETRATION
+
+EVERY = 2  # nodes of a way from one that is looked at to the next
+PRESSED = 0.015  # [m] that a hand and what it touches may go into each other in the end
+FARTHEST = (0.08, 0.16, 0.24, 0.32)  # [m] of a via point from the middle of the way
+OUTWARDS = (  # forward, to the arm's own side, up
+    *((1, 0, 0), (1, 1, 0), (0, 1, 0), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
+    *((1, 0, -1), (1, 1, -1), (0, 0, 1), (1, -1, 0)),
+)
+SWINGS = (25.0, 50.0, 75.0)  # [deg] of a via posture from the middle of the way
+
+
+@dataclass(frozen=True)
+class Clash:
+    """Where a way goes wrong."""
+
+    links: tuple[str, str]
+    depth: float  # [m]
+    at: float  # share of the way
+
+
+def collisions(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
+    """Ways that pass through something, as far as they can be foreseen."""
+    found = []
+    known: dict[int, tuple[Clash, str] | None] = {}
+    for move in moves:
+        key = id(move.way)
+        if key not in known:
+            hit = clash(task.body, move, move.way)
+            known[key] = None if hit is None else (hit, _round(task, move, hit))
+        told = known[key]
+        if told is None:
+            continue
+        hit, advice = told
+        one, other = (name.replace("_", " ") for name in hit.links)
+        where = "in the end" if hit.at == 1.0 else f"at {100.0 * hit.at:.0f} % of its way"
+        found.append(
+            places.finding(
+                "warning", "collision", move.name,
+                f"{where} the {one} would be {cm(hit.depth)} inside the {other}", advice,
+                links=list(hit.links), depth=hit.depth, at=hit.at,
+            )
+        )  # fmt: skip
+    return found
+
+
+def clash(body: Body, move: Move, way: FloatArray) -> Clash | None:
+    """The deepest collision on a way (k, nq) that is deeper than where it begins and ends."""
+    moved = set(move.dofs.tolist())
+    pairs = [
+        pair for pair in body.map.keep_apart
+        if _moved_by(body, pair[0], moved) != _moved_by(body, pair[1], moved)
+    ]  # fmt: skip
+    if not pairs:
+        return None
+    looked = way[::EVERY]
+    distances = clearances(body, looked, pairs)
+    worst: Clash | None = None
+    for pair, distance in zip(pairs, distances.T, strict=True):
+        touches = _touches(body, move, pair)
+        allowed = PRESSED if touches else PENETRATION
+        begins = max(0.0, -float(distance[0]))
+        ends = max(0.0, -float(distance[-1])) if touches else 0.0
+        k = int(np.argmin(distance))
+        depth = -float(distance[k])
+        if depth > max(begins, min(ends, PRESSED)) + allowed and (
+            worst is None or depth > worst.depth
+        ):
+            worst = Clash(pair, depth, k / (len(looked) - 1))
+    return worst
+
+
+def _moved_by(body: Body, link: str, dofs: set[int]) -> frozenset[int]:
+    return frozenset(dofs & set(np.flatnonzero(body.ancestors[body.link(link)]).tolist()))
+
+
+def _touches(body: Body, move: Move, pair: tuple[str, str]) -> bool:
+    if move.limb is None or move.touched < 0:
+        return False
+    hand = body.map.limbs[move.limb].hand
+    return set(pair) == {hand, body.model.body(move.touched).name}
+
+
+def _round(task: BoundTask, move: Move, hit: Clash) -> str:
+    """What to do about a collision: a via point that avoids it, if one is soon found."""
+    if hit.at == 1.0:
+        return "choose another goal, or turn the hand or the elbow another way"
+    does = task.graph.subtasks[move.name].does
+    if not isinstance(does, GoToPoint | GetPosture) or does.via:
+        return "move its via points away from there"
+    tries = _via_places(task, move, does) if isinstance(does, GoToPoint) else _via_postures(
+        task, move, does
+    )
+    for said, changed in tries:
+        way = led_by(task, changed, move)
+        if way is not None and clash(task.body, move, way) is None:
+            return f"go round it: via: [{said}]"
+    return "go round it by way of via points; one alone was not found"
+
+
+def _via_places(
+    task: BoundTask, move: Move, does: GoToPoint
+) -> Iterator[tuple[str, GoToPoint]]:
+    body, arm = task.body, task.body.arm(does.limb)
+    start, end = (places_of(body, move.way[k], [arm.palm])[0] for k in (0, -1))
+    (trunk,) = places_of(body, move.way[0], [origin(arm.root)])
+    middle = axes_of(body, move.way[0], arm.root).T @ (0.5 * (start + end) - trunk)
+    side = 1.0 if arm.limb.side == "left" else -1.0
+    for far in FARTHEST:
+        for ahead, aside, up in OUTWARDS:
+            way = np.array([ahead, aside * side, up], dtype=float)
+            x, y, z = np.round(middle + far * way / np.linalg.norm(way), 2).tolist()
+            via = ViaPlace(point=(x, y, z))
+            yield point((x, y, z)), does.model_copy(update={"via": (via,)})
+
+
+def _via_postures(
+    task: BoundTask, move: Move, does: GetPosture
+) -> Iterator[tuple[str, GetPosture]]:
+    body = task.body
+    if does.limb is None:
+        return
+    arm = body.arm(does.limb)
+    columns = body.qpos_of_dof[arm.dofs]
+    middle = np.rad2deg(0.5 * (move.way[0] + move.way[-1])[columns])
+    low, high = (np.rad2deg(limit[arm.dofs]) for limit in body.range)
+    names = [body.dof_name(int(d)) for d in arm.dofs]
+    swung = [k for k, d in enumerate(arm.dofs) if d in arm.shoulder_dofs]
+    for far in SWINGS:
+        for k in swung:
+            for sign in (1.0, -1.0):
+                angles = middle.copy()
+                angles[k] += sign * far
+                angles = np.clip(angles, low, high).round()
+                posture = dict(zip(names, angles.tolist(), strict=True))
+                said = ", ".join(f"{name}: {angle:g}" for name, angle in posture.items())
+                via = ViaPosture(posture=dict(posture))
+                yield f"{{posture: {{{said}}}}}", does.model_copy(update={"via": (via,)})
