@@ -23,7 +23,7 @@ def lint_task(task: BoundTask, document: Document | None = None) -> list[Finding
     """
     places = Places(task.spec, document or Document(None, ""))
     moves = course(task)
-    found = out_of_reach(task, places)
+    found = out_of_reach(task, places, moves)
     missed = {finding.subtask for finding in found}
     within = [move for move in moves if move.name not in missed]
     found += beyond_limits(task, places, moves)

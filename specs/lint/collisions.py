@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from specs.binding import BoundTask
 from specs.lint.course import Move, led_by
 from specs.lint.finding import Finding, Places, cm, point
 from specs.tolerances import PENETRATION
+
+Via = dict[str, Any] | None  # as a task file writes it
 
 EVERY = 2  # nodes of a way from one that is looked at to the next
 PRESSED = 0.015  # [m] that a hand and what it touches may go into each other in the end
@@ -37,23 +40,23 @@ class Clash:
 def collisions(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
     """Ways that pass through something, as far as they can be foreseen."""
     found = []
-    known: dict[int, tuple[Clash, str] | None] = {}
+    known: dict[int, tuple[Clash, str, Via] | None] = {}
     for move in moves:
         key = id(move.way)
         if key not in known:
             hit = clash(task.body, move, move.way)
-            known[key] = None if hit is None else (hit, _round(task, move, hit))
+            known[key] = None if hit is None else (hit, *_round(task, move, hit))
         told = known[key]
         if told is None:
             continue
-        hit, advice = told
+        hit, advice, via = told
         one, other = (name.replace("_", " ") for name in hit.links)
         where = "in the end" if hit.at == 1.0 else f"at {100.0 * hit.at:.0f} % of its way"
         found.append(
             places.finding(
                 "warning", "collision", move.name,
                 f"{where} the {one} would be {cm(hit.depth)} inside the {other}", advice,
-                links=list(hit.links), depth=hit.depth, at=hit.at,
+                links=list(hit.links), depth=hit.depth, at=hit.at, via=via,
             )
         )  # fmt: skip
     return found
@@ -74,15 +77,20 @@ def clash(body: Body, move: Move, way: FloatArray) -> Clash | None:
     for pair, distance in zip(pairs, distances.T, strict=True):
         touches = _touches(body, move, pair)
         allowed = PRESSED if touches else PENETRATION
-        begins = max(0.0, -float(distance[0]))
+        begins = max(0.0, -float(distance[0])) if len(distance) > 1 else 0.0
         ends = max(0.0, -float(distance[-1])) if touches else 0.0
         k = int(np.argmin(distance))
         depth = -float(distance[k])
         if depth > max(begins, min(ends, PRESSED)) + allowed and (
             worst is None or depth > worst.depth
         ):
-            worst = Clash(pair, depth, k / (len(looked) - 1))
+            worst = Clash(pair, depth, k / max(1, len(looked) - 1))
     return worst
+
+
+def is_free(body: Body, move: Move, way: FloatArray) -> bool:
+    """Whether nothing on a way (k, nq) is inside something else."""
+    return clash(body, move, way) is None
 
 
 def _moved_by(body: Body, link: str, dofs: set[int]) -> frozenset[int]:
@@ -96,21 +104,22 @@ def _touches(body: Body, move: Move, pair: tuple[str, str]) -> bool:
     return set(pair) == {hand, body.model.body(move.touched).name}
 
 
-def _round(task: BoundTask, move: Move, hit: Clash) -> str:
-    """What to do about a collision: a via point that avoids it, if one is soon found."""
+def _round(task: BoundTask, move: Move, hit: Clash) -> tuple[str, Via]:
+    """What to do about a collision, and a via point that avoids it, if one is soon found."""
     if hit.at == 1.0:
-        return "choose another goal, or turn the hand or the elbow another way"
+        return "choose another goal, or turn the hand or the elbow another way", None
     does = task.graph.subtasks[move.name].does
     if not isinstance(does, GoToPoint | GetPosture) or does.via:
-        return "move its via points away from there"
+        return "move its via points away from there", None
     tries = _via_places(task, move, does) if isinstance(does, GoToPoint) else _via_postures(
         task, move, does
     )
     for said, changed in tries:
         way = led_by(task, changed, move)
         if way is not None and clash(task.body, move, way) is None:
-            return f"go round it: via: [{said}]"
-    return "go round it by way of via points; one alone was not found"
+            via = changed.via[0].model_dump(exclude_defaults=True)
+            return f"go round it: via: [{said}]", via
+    return "go round it by way of via points; one alone was not found", None
 
 
 def _via_places(

@@ -14,10 +14,10 @@ from primitives import CompensateGravity, GetPosture, GoToPoint, Hold, Oscillate
 from primitives.parameters import BACKGROUND_SETTLING
 from primitives.posture_field import PostureField, joint_gains
 from primitives.primitive import Field, FloatArray, IntArray
-from primitives.profiles import minimum_jerk
 from primitives.reach_field import ReachField
 from sim import Body
 from sim.lag import Haste
+from sim.motions import minimum_jerk_profile
 from sim.spring_way import HandPath, Springs, axes_of, origin, places_of, spring_way
 from specs.binding import BoundTask
 from specs.lint.success import missing
@@ -40,6 +40,7 @@ class Move:
     hand_over: float  # [s]
     limb: str | None  # the arm that it moves
     touched: int  # the link that its hand is to touch; -1 for none
+    short: float  # by how much the palm is short of a goal when the way ends [m]; 0 for a posture
     haste: Haste | None  # what it takes; None for a controller that follows no set point
     miss: Callable[[FloatArray], float]  # of lags (h, j) at its end, as a share of what is allowed
 
@@ -157,9 +158,18 @@ def _move(
         hand_over=hand_over,
         limb=does.limb,
         touched=touched,
+        short=_short(body, does, springs.qpos[-1]),
         haste=haste,
         miss=missing(body, does, field, springs.qpos[-1]),
     )
+
+
+def _short(body: Body, does: GetPosture | GoToPoint, end: FloatArray) -> float:
+    if isinstance(does, GetPosture):
+        return 0.0
+    arm = body.arm(does.limb)
+    palm, goal = places_of(body, end, [arm.palm, does.hand_goal(body, arm).places[-1]])
+    return float(np.linalg.norm(palm - goal))
 
 
 def _joint_springs(
@@ -181,7 +191,7 @@ def _hand_springs(body: Body, field: ReachField, start: FloatArray, travel: floa
     arm, goal, gains = field.arm, field.hand_goal, field.springs[0]
     shares = np.linspace(0.0, 1.0, NODES)
     knots = places_of(body, start, [arm.palm, *field.places])
-    late = np.array([minimum_jerk((s - PALM_WAITS) / (1.0 - PALM_WAITS)) for s in shares])
+    rise, late = (minimum_jerk_profile(shares - wait, 1.0 - wait)[0] for wait in (0.0, PALM_WAITS))
     hand, root = (axes_of(body, start, link) for link in (arm.hand, arm.root))
     normal = upper_arm = None
     if goal.normal is not None:
@@ -190,7 +200,6 @@ def _hand_springs(body: Body, field: ReachField, start: FloatArray, travel: floa
     if goal.upper_arm is not None:
         elbow = places_of(body, start, [origin(arm.upper_arm), origin(arm.forearm)])
         along = (elbow[1] - elbow[0]) / np.linalg.norm(elbow[1] - elbow[0])
-        rise = np.array([minimum_jerk(s) for s in shares])
         upper_arm = _turned(along, root @ goal.upper_arm, rise)
     shoulder = np.isin(arm.dofs, arm.shoulder_dofs)
     path = HandPath(

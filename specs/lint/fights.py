@@ -6,7 +6,8 @@ from itertools import combinations
 import numpy as np
 
 from primitives.posture_field import PostureField
-from primitives.primitive import Field
+from primitives.primitive import Field, FloatArray
+from primitives.stay_field import StayField
 from specs.binding import BoundTask
 from specs.groups import Group, Rule, leaves
 from specs.lint.finding import Finding, Places
@@ -29,7 +30,7 @@ def _pairs(task: BoundTask, places: Places) -> Iterator[Finding]:
     for one, other in pairs:
         a, b = background[one], (background | subtasks)[other]
         shared = sorted(set(a.claims.tolist()) & set(b.claims.tolist()))
-        if not shared or _rule(task.spec.groups, one, other) != "sum" or _alike(a, b, shared):
+        if not shared or _rule(task.spec.groups, one, other) != "sum" or _alike(task, a, b, shared):
             continue
         joints = ", ".join(task.body.dof_name(d) for d in shared[:3])
         more = f" and {len(shared) - 3} more" if len(shared) > 3 else ""
@@ -43,11 +44,21 @@ def _pairs(task: BoundTask, places: Places) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def _alike(one: Field, other: Field, shared: list[int]) -> bool:
+def _alike(task: BoundTask, one: Field, other: Field, shared: list[int]) -> bool:
     """Whether two want the same of the joints that they share."""
-    if not isinstance(one, PostureField) or not isinstance(other, PostureField):
+    goals = [_goal(task, field) for field in (one, other)]
+    if goals[0] is None or goals[1] is None:
         return False
-    return bool(np.abs(one.goal[shared] - other.goal[shared]).max() < ALIKE)
+    return bool(np.abs(goals[0][shared] - goals[1][shared]).max() < ALIKE)
+
+
+def _goal(task: BoundTask, field: Field) -> FloatArray | None:
+    """The angles (nv,) that a field wants; None if nobody can tell."""
+    if isinstance(field, PostureField):
+        return field.goal
+    if isinstance(field, StayField) and field in task.background:
+        return task.start[task.body.qpos_of_dof]
+    return None
 
 
 def _rule(groups: tuple[Group, ...], one: str, other: str) -> Rule:

@@ -1,5 +1,7 @@
 """out-of-reach, inside-body: goals that no posture of the body brings the palm to."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from primitives import GoToPoint
@@ -9,23 +11,30 @@ from sim import Arm, Body, BodyError, PalmGoal, Spot, World, moving_dofs, reach
 from sim.clearance import depth
 from sim.spring_way import places_of
 from specs.binding import BoundTask
+from specs.lint.collisions import is_free
+from specs.lint.course import Move
 from specs.lint.finding import Finding, Places, cm, point
 from specs.tolerances import TOUCH_BEFORE_NEXT as MISS
 
 ANGLE = 1e-3  # [rad] as good as at home
+ARRIVED = 0.005  # [m] from the goal
 SAMPLES, ROUNDS = 256, 12  # postures that are tried at once, and how often the search narrows
 
 Best = tuple[float, FloatArray | None]  # miss [m], and the nearest place (3,), if it is known
 
 
-def out_of_reach(task: BoundTask, places: Places) -> list[Finding]:
-    """Goals of go-to-point that lie inside the body, or where the arm cannot go."""
+def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
+    """Goals of go-to-point that lie inside the body, or where the arm cannot go.
+
+    A way that was found and ends at the goal, beside the body, needs no further search.
+    """
+    arrive = {m.name for m in moves if m.short < ARRIVED and is_free(task.body, m, m.way[-1:])}
     body, found = task.body, []
     away = moved_from_home(task)
     known: dict[object, tuple[float, str, Best]] = {}
     for name in task.graph.order:
         does = task.graph.subtasks[name].does
-        if not isinstance(does, GoToPoint):
+        if not isinstance(does, GoToPoint) or name in arrive:
             continue
         arm = body.arm(does.limb)
         goal = does.hand_goal(body, arm).places[-1]
