@@ -49,13 +49,14 @@ class Haste:
         springs: along the way, at even shares of the time that the set point travels.
         carried: whether something else carries the weight.
         blur: the springs do not follow what is quicker than this on the way [s].
+        rush: how much faster than that the joints are which catch up.
     """
 
     def __init__(
-        self, body: Body, dofs: IntArray, springs: Springs, *, carried: bool, blur: float = 0.0
-    ) -> None:
+        self, body: Body, dofs: IntArray, springs: Springs, *, carried: bool, blur: float = 0.0, rush: float = 1.0,
+    ) -> None:  # fmt: skip
         self._body, self._dofs, self._springs = body, dofs, springs
-        self._carried, self._blur = carried, blur
+        self._carried, self._blur, self._rush = carried, blur, rush
 
     def in_time(self, travel: float, duration: float, hold: float, hand_over: float) -> Lag:
         """What becomes of it.
@@ -117,7 +118,7 @@ class Haste:
             if t >= duration - 0.5 * dt:
                 kept.append(e)
         speed_limit = self._body.speed_limit[self._dofs]
-        return Lag(np.array(kept), fastest / speed_limit, self._torque(parts, travel), lost)
+        return Lag(np.array(kept), self._rush * fastest / speed_limit, self._torque(parts, travel), lost)
 
     def _torque(self, parts: "_Parts", travel: float) -> FloatArray:
         """Largest torque (j,) that the way takes in a time [s], as a share of the limits."""

@@ -20,11 +20,12 @@ from sim.body import Arm, Body, Spot
 
 FloatArray = NDArray[np.float64]
 
-STEPS = 6  # Gauss-Newton steps at each place
+STEPS = 6  # Gauss-Newton steps at each place, at most
 NEAR = 1e-3  # [rad] a step that changes less is the last
 # Of a movement in the time T the largest acceleration and speed are 5.8 / T^2 and 1.9 / T of the
 # way (minimum jerk), so damping counts this much of T beside inertia.
 DRAGGING = 0.33
+LOOSE = 0.8  # share of their firmness that fingers which are free lose
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,11 @@ class HandPath:
     place: FloatArray  # (k, 3) of the palm [m]
     stiffness: float  # [N/m]
     damping: float  # [N s/m]
-    normal: FloatArray | None = None  # (k, 3) out of the palm
+    # How far the hand has turned (k,), from 0, as it was on the forearm, to 1, as it is to be.
+    late: FloatArray
+    normal: FloatArray | None = None  # (3,) out of the palm in the end; None: as on the forearm
+    fingers: FloatArray | None = None  # (3,) in the end; None: loosely in line with the forearm
     upper_arm: FloatArray | None = None  # (k, 3) from shoulder to elbow
-    in_line: bool = True  # whether the fingers keep in line with the forearm
     turn_stiffness: float = 0.0  # of normal and fingers [N m/rad]
     turn_damping: float = 0.0  # of the hand [N m s/rad]
     upper_arm_stiffness: float = 0.0  # [N m/rad]
@@ -70,6 +73,7 @@ def spring_way(body: Body, arm: Arm, start: FloatArray, path: HandPath) -> Sprin
     linear, angular, mass = np.zeros((3, body.nv)), np.zeros((3, body.nv)), np.zeros((body.nv,) * 2)
     swing, joints = np.zeros((3, body.nv)), len(arm.dofs)
     stiff, damp, drag = np.zeros((3, len(way), joints, joints))
+    kept = _on_forearm(body, arm, start)
     own_drag = np.eye(joints) * path.joint_damping
     passive = passive_damping(body, arm.dofs)
     for k in range(len(way)):
@@ -82,17 +86,29 @@ def spring_way(body: Body, arm: Arm, start: FloatArray, path: HandPath) -> Sprin
             palm = place_of(data, arm.palm)
             mujoco.mj_jac(model, data, linear, angular, palm, arm.hand)
             parts = [(path.stiffness, linear, path.place[k] - palm)]
+            turns: list[tuple[float, FloatArray]] = []
             hand = data.xmat[arm.hand].reshape(3, 3)
+            forearm, late = data.xmat[arm.forearm].reshape(3, 3), path.late[k]
+            mujoco.mj_jac(model, data, None, swing, palm, arm.forearm)
+            wanted = forearm @ kept[0]
             if path.normal is not None:
-                off = np.cross(hand @ arm.palm.normal, path.normal[k])
-                parts.append((path.turn_stiffness, angular, off))
-            if path.in_line:
-                mujoco.mj_jac(model, data, None, swing, palm, arm.forearm)
-                off = np.cross(hand @ arm.fingers, _along(data, arm.forearm, arm.hand))
-                parts.append((path.turn_stiffness, angular - swing, off))
+                wanted = turned(wanted, path.normal, late)
+            firm = path.turn_stiffness * (1.0 if path.fingers is not None else 1.0 - LOOSE * late)
+            goal = _along(data, arm.forearm, arm.hand) if path.fingers is None else path.fingers
+            ahead = turned(forearm @ kept[1], goal, late)
+            ahead = ahead - (ahead @ wanted) * wanted
+            ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-9)
+            follow_normal = 1.0 - late if path.normal is not None else 1.0
+            follow_ahead = 1.0 - late if path.fingers is not None else 1.0
+            for stiffness, own, to, carried in (
+                (path.turn_stiffness, hand @ arm.palm.normal, wanted, follow_normal),
+                (firm, hand @ arm.fingers, ahead, follow_ahead),
+            ):
+                parts.append((stiffness, angular, _turn(own, to)))
+                turns.append((stiffness, carried * swing))
             if path.upper_arm is not None:
                 mujoco.mj_jac(model, data, None, swing, palm, arm.upper_arm)
-                off = np.cross(_along(data, arm.upper_arm, arm.forearm), path.upper_arm[k])
+                off = _turn(_along(data, arm.upper_arm, arm.forearm), path.upper_arm[k])
                 parts.append((path.upper_arm_stiffness, swing.copy(), off))
             of_palm, of_hand = linear[:, arm.dofs], angular[:, arm.dofs]
             drag[k] = own_drag + path.turn_damping * of_hand.T @ of_hand
@@ -103,6 +119,8 @@ def spring_way(body: Body, arm: Arm, start: FloatArray, path: HandPath) -> Sprin
                 own = jacobian[:, arm.dofs]
                 stiff[k] += stiffness * own.T @ own
                 pull += stiffness * own.T @ off
+            for stiffness, jacobian in turns:  # the goals that turn with the forearm
+                stiff[k] -= stiffness * of_hand.T @ jacobian[:, arm.dofs]
             step = _within(lazy + stiff[k], pull, low - q[columns], high - q[columns])
             q[columns] += step
             if np.abs(step).max() < NEAR:
@@ -161,6 +179,35 @@ def _along(data: mujoco.MjData, one: int, other: int) -> FloatArray:
     way = data.xpos[other] - data.xpos[one]
     unit: FloatArray = way / np.linalg.norm(way)
     return unit
+
+
+def _on_forearm(body: Body, arm: Arm, qpos: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The palm's normal and the fingers in the frame of the forearm, in a posture."""
+    hand, forearm = axes_of(body, qpos, arm.hand), axes_of(body, qpos, arm.forearm)
+    return forearm.T @ hand @ arm.palm.normal, forearm.T @ hand @ arm.fingers
+
+
+def turned(start: FloatArray, goal: FloatArray, share: float) -> FloatArray:
+    """The unit vector so far on the great circle from one to another."""
+    cosine = float(np.clip(start @ goal, -1.0, 1.0))
+    angle = float(np.arccos(cosine))
+    if angle < 1e-6:
+        return goal
+    aside = goal - cosine * start
+    if np.pi - angle < 1e-3:  # any way round
+        aside = np.cross(start, np.roll(start, 1) + np.array([0.0, 0.0, 1e-3]))
+    unit: FloatArray = aside / np.linalg.norm(aside)
+    between: FloatArray = np.cos(share * angle) * start + np.sin(share * angle) * unit
+    return between
+
+
+def _turn(own: FloatArray, wanted: FloatArray) -> FloatArray:
+    """Rotation vector that takes one unit vector to another, its length held to at most 1."""
+    axis = np.cross(own, wanted)
+    if own @ wanted < 0.0:
+        axis /= max(float(np.linalg.norm(axis)), 1e-9)
+    turn: FloatArray = axis
+    return turn
 
 
 def _within(

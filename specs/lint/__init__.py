@@ -2,13 +2,13 @@
 
 from specs.binding import BoundTask
 from specs.lint.beginnings import never_begins
-from specs.lint.collisions import collisions
-from specs.lint.course import course
-from specs.lint.fights import fights
+from specs.lint.collisions import colliding_ways
+from specs.lint.course import planned_moves
+from specs.lint.fights import fighting_primitives
 from specs.lint.finding import KINDS, SEVERITIES, Finding, Places, refusal
 from specs.lint.haste import too_fast
 from specs.lint.joint_limits import beyond_limits
-from specs.lint.reachable import out_of_reach
+from specs.lint.reachable import MISS, out_of_reach
 from specs.reading import Document
 
 __all__ = ["KINDS", "SEVERITIES", "Finding", "lint_task", "refusal"]
@@ -22,15 +22,16 @@ def lint_task(task: BoundTask, document: Document | None = None) -> list[Finding
         document: what it was read from, so that findings can say where.
     """
     places = Places(task.spec, document or Document(None, ""))
-    moves = course(task)
+    moves = planned_moves(task)
     found = out_of_reach(task, places, moves)
     missed = {finding.subtask for finding in found}
     within = [move for move in moves if move.name not in missed]
+    foreseen = [move for move in within if move.short <= MISS]
     found += beyond_limits(task, places, moves)
     found += too_fast(task, places, within)
-    found += collisions(task, places, within)
+    found += colliding_ways(task, places, foreseen)
     found += never_begins(task, places)
-    found += fights(task, places)
+    found += fighting_primitives(task, places)
     rank = {name: k for k, name in enumerate(b.name for b in task.spec.background)}
     rank |= {name: len(rank) + k for k, name in enumerate(task.graph.order)}
     return sorted(found, key=lambda f: (SEVERITIES.index(f.severity), rank[f.subtask or ""]))

@@ -37,7 +37,7 @@ class Clash:
     at: float  # share of the way
 
 
-def collisions(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
+def colliding_ways(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
     """Ways that pass through something, as far as they can be foreseen."""
     found = []
     known: dict[int, tuple[Clash, str, Via] | None] = {}

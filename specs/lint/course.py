@@ -18,12 +18,13 @@ from primitives.reach_field import ReachField
 from sim import Body
 from sim.lag import Haste
 from sim.motions import minimum_jerk_profile
-from sim.spring_way import HandPath, Springs, axes_of, origin, places_of, spring_way
+from sim.spring_way import HandPath, Springs, axes_of, origin, places_of, spring_way, turned
 from specs.binding import BoundTask
 from specs.lint.success import missing
 
 NODES = 41  # places of a way that are looked at
 HAND_MASS = 1.0  # [kg] about what a palm seems to weigh to a spring that pulls it
+RUSH = 1.2  # by how much the joints of an arm that is pulled by its hand are faster than foreseen
 PALM_WAITS = 0.3  # share of a movement for which the palm keeps its place on the forearm
 
 
@@ -45,7 +46,7 @@ class Move:
     miss: Callable[[FloatArray], float]  # of lags (h, j) at its end, as a share of what is allowed
 
 
-def course(task: BoundTask) -> list[Move]:
+def planned_moves(task: BoundTask) -> list[Move]:
     """The movements of a task whose way can be foreseen, as they begin."""
     body, graph = task.body, task.graph
     carried = any(isinstance(b.does, CompensateGravity) for b in task.spec.background)
@@ -142,12 +143,12 @@ def _move(
         touched = field.hand_goal.touched
     else:
         return None
-    blur = 0.0
+    blur, rush = 0.0, 1.0
     if isinstance(field, ReachField):
-        blur = np.sqrt(HAND_MASS / float(field.springs[0]["stiffness"]))
+        rush, blur = RUSH, np.sqrt(HAND_MASS / float(field.springs[0]["stiffness"]))
     haste = None
     if does.controller in ("pd-servo", "impedance"):
-        haste = Haste(body, field.claims, springs, carried=carried, blur=blur)
+        haste = Haste(body, field.claims, springs, carried=carried, blur=blur, rush=rush)
     return Move(
         name=name,
         dofs=field.claims,
@@ -192,23 +193,24 @@ def _hand_springs(body: Body, field: ReachField, start: FloatArray, travel: floa
     shares = np.linspace(0.0, 1.0, NODES)
     knots = places_of(body, start, [arm.palm, *field.places])
     rise, late = (minimum_jerk_profile(shares - wait, 1.0 - wait)[0] for wait in (0.0, PALM_WAITS))
-    hand, root = (axes_of(body, start, link) for link in (arm.hand, arm.root))
+    root = axes_of(body, start, arm.root)
     normal = upper_arm = None
     if goal.normal is not None:
         link, wanted = goal.normal
-        normal = _turned(hand @ arm.palm.normal, axes_of(body, start, link) @ wanted, late)
+        normal = axes_of(body, start, link) @ wanted
     if goal.upper_arm is not None:
-        elbow = places_of(body, start, [origin(arm.upper_arm), origin(arm.forearm)])
-        along = (elbow[1] - elbow[0]) / np.linalg.norm(elbow[1] - elbow[0])
-        upper_arm = _turned(along, root @ goal.upper_arm, rise)
+        shoulder_at, elbow = places_of(body, start, [origin(arm.upper_arm), origin(arm.forearm)])
+        along = (elbow - shoulder_at) / np.linalg.norm(elbow - shoulder_at)
+        upper_arm = np.array([turned(along, root @ goal.upper_arm, share) for share in rise])
     shoulder = np.isin(arm.dofs, arm.shoulder_dofs)
     path = HandPath(
         place=field.weights(shares * travel) @ knots,
         stiffness=float(gains["stiffness"]),
         damping=float(gains["damping"]),
+        late=late,
         normal=normal,
+        fingers=None if goal.fingers is None else root @ goal.fingers,
         upper_arm=upper_arm,
-        in_line=goal.fingers is None,
         turn_stiffness=float(gains["turn_stiffness"]),
         turn_damping=float(gains["turn_damping"]),
         upper_arm_stiffness=float(gains["upper_arm_stiffness"]),
@@ -216,20 +218,6 @@ def _hand_springs(body: Body, field: ReachField, start: FloatArray, travel: floa
         joint_damping=float(gains["shoulder_damping"]) * shoulder,
     )
     return spring_way(body, arm, start, path)
-
-
-def _turned(start: FloatArray, goal: FloatArray, share: FloatArray) -> FloatArray:
-    """Unit vectors (k, 3) on the great circle from one to another, at shares (k,) of the way."""
-    angle = float(np.arccos(np.clip(start @ goal, -1.0, 1.0)))
-    if angle < 1e-6:
-        return np.tile(goal, (len(share), 1))
-    if angle > np.pi - 1e-3:  # any way round
-        goal = goal + 1e-2 * np.roll(goal, 1)
-        goal /= np.linalg.norm(goal)
-        angle = float(np.arccos(np.clip(start @ goal, -1.0, 1.0)))
-    a, b = np.sin((1.0 - share) * angle), np.sin(share * angle)
-    between: FloatArray = (a[:, None] * start + b[:, None] * goal) / np.sin(angle)
-    return between
 
 
 def led_by(task: BoundTask, does: GetPosture | GoToPoint, move: Move) -> FloatArray | None:

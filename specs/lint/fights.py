@@ -15,7 +15,7 @@ from specs.lint.finding import Finding, Places
 ALIKE = np.deg2rad(1.0)  # goals that are nearer to each other do not fight
 
 
-def fights(task: BoundTask, places: Places) -> list[Finding]:
+def fighting_primitives(task: BoundTask, places: Places) -> list[Finding]:
     """Pairs whose torques add up though each wants a place of its own for the same joints."""
     return list(_pairs(task, places))
 
