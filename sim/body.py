@@ -22,6 +22,7 @@ IntArray = NDArray[np.int32]
 
 _ONE_DOF = (mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value)
 
+ROUNDING = 1e-5  # [rad] of the ranges of joints: the model's XML has six digits
 # Directions in the frame of the body: X forward, Y left, Z up.
 DIRECTIONS: dict[str, tuple[float, float, float]] = {
     "forward": (1.0, 0.0, 0.0),
@@ -192,7 +193,7 @@ class Body:
         for name, degrees in posture.items():
             q[self.joints(name)] = np.deg2rad(degrees)
         low, high = self.range
-        outside = np.flatnonzero((q < low - 1e-6) | (q > high + 1e-6))
+        outside = np.flatnonzero((q < low - ROUNDING) | (q > high + ROUNDING))
         if outside.size:
             j = int(outside[0])
             raise BeyondRange(

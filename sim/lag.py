@@ -5,8 +5,8 @@ A way q(u), u being the share of the time T, takes the torques
     tau(u) = (M q'' + c(q, q')) / T^2 + D q' / T + g(q)
 
 (the scaling of Hollerbach 1984, "Dynamic scaling of manipulator trajectories"), by MuJoCo's
-inverse dynamics. Springs make them only by lagging behind. About the way the lag e = q - x is
-that of a linear system that varies with the time,
+mass matrix and bias torques. Springs make them only by lagging behind. About the way the lag
+e = q - x is that of a linear system that varies with the time,
 
     M e" + (B + D) e' + K e = tau - g + (1 - a) (K (q - q_0) + B q' / T),
 
@@ -27,7 +27,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 STEP = 0.004  # of the integration, which is implicit [s]
+FEWEST = 40  # steps
 LOST = np.pi  # [rad] of lag
+WIDE = 3.0  # standard deviations to which a blur reaches
 
 
 @dataclass(frozen=True)
@@ -49,14 +51,22 @@ class Haste:
         springs: along the way, at even shares of the time that the set point travels.
         carried: whether something else carries the weight.
         blur: the springs do not follow what is quicker than this on the way [s].
-        rush: how much faster than that the joints are which catch up.
+        rush: how much faster than foreseen the joints are which catch up.
     """
 
     def __init__(
-        self, body: Body, dofs: IntArray, springs: Springs, *, carried: bool, blur: float = 0.0, rush: float = 1.0,
-    ) -> None:  # fmt: skip
+        self,
+        body: Body,
+        dofs: IntArray,
+        springs: Springs,
+        *,
+        carried: bool,
+        blur: float = 0.0,
+        rush: float = 1.0,
+    ) -> None:
         self._body, self._dofs, self._springs = body, dofs, springs
         self._carried, self._blur, self._rush = carried, blur, rush
+        self._limit = body.torque_limit[dofs]
 
     def in_time(self, travel: float, duration: float, hold: float, hand_over: float) -> Lag:
         """What becomes of it.
@@ -67,79 +77,60 @@ class Haste:
             hold: how long the goal is then held [s].
             hand_over: cross-fade from what held the joints before [s].
         """
-        parts, s = self._parts(travel), self._springs
-        last = len(s.qpos) - 1
-        steps = max(40, int(np.ceil((duration + hold) / STEP)))
+        needs = self._needs(travel)
+        steps = max(FEWEST, int(np.ceil((duration + hold) / STEP)))
         dt = (duration + hold) / steps
-        count = len(self._dofs)
-        e, rate = np.zeros(count), np.zeros(count)
-        limit = self._body.torque_limit[self._dofs]
-        kept, fastest, lost = [], np.zeros(count), False
+        e, rate = np.zeros((2, len(self._dofs)))
+        kept, fastest, lost = [], np.zeros(len(self._dofs)), False
         for i in range(1, steps + 1):
             t = i * dt
-            at = min(t / travel, 1.0) * last
-            k = min(int(at), last - 1)
-            part = at - k
-
-            def now(values: FloatArray, k: int = k, part: float = part) -> FloatArray:
-                mixed: FloatArray = (1.0 - part) * values[k] + part * values[k + 1]
-                return mixed
-
-            moving = t < travel
-            speed = now(parts.speed) / travel if moving else np.zeros(count)
-            stiffness, damping, drag = now(s.stiffness), now(s.damping), now(parts.drag)
-            weight, mass = now(parts.weight), now(parts.mass)
-            need = drag @ speed + (0.0 if self._carried else 1.0) * weight
-            if moving:
-                need = need + now(parts.push) / travel**2
-            left = 1.0 - _step(t / hand_over) if hand_over > 0.0 else 0.0
-            held = left * (stiffness @ now(parts.gone) + damping @ speed)
-            borne = weight if self._carried else np.zeros(count)
-            # Implicit: M (rate+ - rate) / dt = need - drag rate+ - applied(e + dt rate+, rate+)
-            spring, damper = stiffness, damping
-            fixed = np.zeros(count)
-            for _ in range(2):
-                square = mass / dt + drag + damper + dt * spring
-                right = mass @ rate / dt + need - spring @ e - fixed
-                free = spring.any(axis=1) | damper.any(axis=1)
-                new = np.linalg.solve(square, right + np.where(free, held, 0.0))
-                asked = stiffness @ (e + dt * new) + damping @ new - held + borne
-                over = np.abs(asked) > limit
-                if not over.any():
-                    break
-                spring, damper = np.where(over[:, None], 0.0, stiffness), np.where(
-                    over[:, None], 0.0, damping
-                )
-                fixed = np.where(over, np.sign(asked) * limit - borne, 0.0)
-            rate = new
+            now = needs.at(t / travel)
+            left = 1.0 - _rise(t / hand_over) if hand_over > 0.0 else 0.0
+            rate = self._next_rate(now, e, rate, left, dt)
             e = e + dt * rate
-            fastest = np.maximum(fastest, np.abs(speed - rate))
+            fastest = np.maximum(fastest, np.abs(now.speed - rate))
             lost = lost or bool(np.abs(e).max() > LOST)
             if t >= duration - 0.5 * dt:
                 kept.append(e)
-        speed_limit = self._body.speed_limit[self._dofs]
-        return Lag(np.array(kept), self._rush * fastest / speed_limit, self._torque(parts, travel), lost)
+        speed = self._rush * fastest / self._body.speed_limit[self._dofs]
+        share = np.abs(needs.torque).max(axis=0) / self._limit
+        return Lag(np.array(kept), speed, share, lost)
 
-    def _torque(self, parts: "_Parts", travel: float) -> FloatArray:
-        """Largest torque (j,) that the way takes in a time [s], as a share of the limits."""
-        limit = self._body.torque_limit[self._dofs]
-        own = np.einsum("kij,kj->ki", parts.passive, parts.speed)
-        whole = parts.push / travel**2 + own / travel + parts.weight
-        share: FloatArray = np.abs(whole).max(axis=0) / np.where(limit > 0.0, limit, np.inf)
-        return share
+    def _next_rate(
+        self, now: "_Need", e: FloatArray, rate: FloatArray, left: float, dt: float
+    ) -> FloatArray:
+        """How fast the lag (j,) grows after a step, implicit in lag and rate [rad/s].
 
-    def _parts(self, travel: float) -> "_Parts":
-        body, dofs, qpos = self._body, self._dofs, self._springs.qpos.copy()
-        model, data = body.model, mujoco.MjData(body.model)
-        columns = body.qpos_of_dof[dofs]
-        share = np.linspace(0.0, 1.0, len(qpos))
-        angles = qpos[:, columns] = _blurred(qpos[:, columns], self._blur / travel * len(qpos))
-        first = np.gradient(angles, share, axis=0, edge_order=2)
-        second = np.gradient(first, share, axis=0, edge_order=2)
-        count = len(dofs)
-        mass, push = np.zeros((len(qpos), count, count)), np.zeros((len(qpos), count))
-        weight, whole = np.zeros((len(qpos), count)), np.zeros((body.nv, body.nv))
-        passive = passive_damping(body, dofs)
+        Where the springs ask for more than a motor has, the motor's limit acts in their place.
+        """
+        held = left * (now.stiffness @ now.gone + now.damping @ now.speed)
+        borne = now.weight if self._carried else np.zeros_like(e)
+        need = now.push + now.drag @ now.speed + now.weight - borne
+        inert = now.mass @ rate / dt + need
+        square = now.mass / dt + now.drag
+        new: FloatArray = np.linalg.solve(
+            square + now.damping + dt * now.stiffness, inert + held - now.stiffness @ e
+        )
+        asked = now.stiffness @ (e + dt * new) + now.damping @ new - held + borne
+        over = np.abs(asked) > self._limit
+        if not over.any():
+            return new
+        stiffness, damping = (np.where(over[:, None], 0.0, m) for m in (now.stiffness, now.damping))
+        made = np.where(over, np.sign(asked) * self._limit - borne, -held)
+        new = np.linalg.solve(square + damping + dt * stiffness, inert - made - stiffness @ e)
+        return new
+
+    def _needs(self, travel: float) -> "_Needs":
+        """What the way takes in a time [s]."""
+        body, dofs, springs = self._body, self._dofs, self._springs
+        model, data, qpos = body.model, mujoco.MjData(body.model), springs.qpos.copy()
+        columns, count = body.qpos_of_dof[dofs], len(qpos)
+        angles = qpos[:, columns] = _blurred(qpos[:, columns], self._blur / travel * count)
+        time = np.linspace(0.0, travel, count)
+        speed = np.gradient(angles, time, axis=0, edge_order=2)
+        acceleration = np.gradient(speed, time, axis=0, edge_order=2)
+        mass, whole = np.zeros((count, len(dofs), len(dofs))), np.zeros((body.nv, body.nv))
+        push, weight = np.zeros((2, count, len(dofs)))
         for k, q in enumerate(qpos):
             data.qpos[:], data.qvel[:] = q, 0.0
             mujoco.mj_fwdPosition(model, data)
@@ -147,37 +138,71 @@ class Haste:
             weight[k] = data.qfrc_bias[dofs]
             mujoco.mj_fullM(model, data, whole)
             mass[k] = whole[np.ix_(dofs, dofs)]
-            data.qvel[dofs] = first[k]
+            data.qvel[dofs] = speed[k]
             mujoco.mj_fwdVelocity(model, data)
-            push[k] = mass[k] @ second[k] + data.qfrc_bias[dofs] - weight[k]
-        return _Parts(
-            mass=mass, push=push, weight=weight, speed=first, gone=angles - angles[0],
-            passive=np.tile(passive, (len(qpos), 1, 1)), drag=self._springs.drag + passive,
+            push[k] = mass[k] @ acceleration[k] + data.qfrc_bias[dofs] - weight[k]
+        passive = passive_damping(body, dofs)
+        return _Needs(
+            mass, push, weight, speed, angles - angles[0], push + speed @ passive + weight,
+            springs.stiffness, springs.damping, springs.drag + passive,
         )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class _Parts:
-    """Along the way, for a time of one second."""
+class _Need:
+    """What a way takes at one of its places, and the springs there."""
 
-    mass: FloatArray  # (k, j, j) [kg m^2]
-    push: FloatArray  # (k, j) torque of inertia [N m s^2]
-    weight: FloatArray  # (k, j) [N m]
-    speed: FloatArray  # (k, j) [rad]
-    gone: FloatArray  # (k, j) way from the start [rad]
-    passive: FloatArray  # (k, j, j) damping of the joints themselves [N m s/rad]
-    drag: FloatArray  # (k, j, j) with what the springs add
+    mass: FloatArray  # (j, j) [kg m^2]
+    push: FloatArray  # (j,) torque of inertia [N m]
+    weight: FloatArray  # (j,) [N m]
+    speed: FloatArray  # (j,) [rad/s]
+    gone: FloatArray  # (j,) way from the start [rad]
+    stiffness: FloatArray  # (j, j) [N m/rad]
+    damping: FloatArray  # (j, j) of the difference from the wanted velocity [N m s/rad]
+    drag: FloatArray  # (j, j) of the velocity itself [N m s/rad]
 
 
-def _step(s: float) -> float:
+@dataclass(frozen=True)
+class _Needs:
+    """The same at all places (k, ...), and the torque (k, j) in all [N m]."""
+
+    mass: FloatArray
+    push: FloatArray
+    weight: FloatArray
+    speed: FloatArray
+    gone: FloatArray
+    torque: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+    drag: FloatArray
+
+    def at(self, share: float) -> _Need:
+        """At a share of the time; after it the set point rests."""
+        place = min(share, 1.0) * (len(self.mass) - 1)
+        k = min(int(place), len(self.mass) - 2)
+        part = place - k
+        moving = 1.0 if share < 1.0 else 0.0
+
+        def mixed(values: FloatArray) -> FloatArray:
+            between: FloatArray = (1.0 - part) * values[k] + part * values[k + 1]
+            return between
+
+        return _Need(
+            mixed(self.mass), moving * mixed(self.push), mixed(self.weight),
+            moving * mixed(self.speed), mixed(self.gone), mixed(self.stiffness),
+            mixed(self.damping), mixed(self.drag),
+        )  # fmt: skip
+
+
+def _rise(s: float) -> float:
     """The rise of an activation: Mataric et al. (1999), eq 5."""
-    return min(max(s, 0.0), 1.0) if not 0.0 < s < 1.0 else s - np.sin(2.0 * np.pi * s) / (2 * np.pi)
+    return float(s - np.sin(2.0 * np.pi * s) / (2.0 * np.pi)) if s < 1.0 else 1.0
 
 
 def _blurred(way: FloatArray, width: float) -> FloatArray:
-    """A way (k, j) without what is quicker than some of its rows; its ends stay."""
-    reach = int(np.ceil(3.0 * width))
-    if reach < 1 or width < 0.1:
+    """A way (k, j) without what is quicker than so many of its rows."""
+    reach = int(np.ceil(WIDE * width))
+    if reach < 1:
         return way
     bell = np.exp(-0.5 * (np.arange(-reach, reach + 1) / width) ** 2)
     padded = np.pad(way, ((reach, reach), (0, 0)), mode="edge")

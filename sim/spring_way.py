@@ -1,13 +1,13 @@
 """The way that springs on a hand take an arm, if they take it slowly: kinematics, no simulation.
 
-At every place on the way the joints come to rest where the springs that pull the hand, turn it,
-keep the fingers in line and point the upper arm hold least energy,
+At every place on the way the joints come to rest where the moments of the springs that pull the
+hand, turn it, keep the fingers in line and point the upper arm are in balance,
 
-    min  K |x_d - x|^2 + k_n |n_d - n|^2 + k_f |f_d - f|^2 + k_e |u_d - u|^2,
+    J_h^T [K (x_d - x), k_n n x n_d + k_f f x f_d] + J_e^T [0, k_e u x u_d] = 0,
 
-found by Gauss-Newton steps within the joint limits. What the springs leave open, the swivel of
-the elbow, goes the way of least inertia and damping, as a limb does that is pulled by its hand
-(Khatib 1987).
+found by Gauss-Newton steps within the joint limits (springs as in Mataric et al. 1999, eq 7 to 9).
+What they leave open, the swivel of the elbow, goes the way of least inertia and damping, as that
+of a limb does that is pulled by its hand (Khatib 1987).
 """
 
 from dataclasses import dataclass
@@ -22,6 +22,7 @@ FloatArray = NDArray[np.float64]
 
 STEPS = 6  # Gauss-Newton steps at each place, at most
 NEAR = 1e-3  # [rad] a step that changes less is the last
+LEAP = 0.5  # [rad] the largest step
 # Of a movement in the time T the largest acceleration and speed are 5.8 / T^2 and 1.9 / T of the
 # way (minimum jerk), so damping counts this much of T beside inertia.
 DRAGGING = 0.33
@@ -43,8 +44,8 @@ class HandPath:
     turn_stiffness: float = 0.0  # of normal and fingers [N m/rad]
     turn_damping: float = 0.0  # of the hand [N m s/rad]
     upper_arm_stiffness: float = 0.0  # [N m/rad]
-    duration: float = 0.0  # of the movement, which says how much damping counts [s]
     joint_damping: FloatArray | float = 0.0  # of each joint of the arm (j,) [N m s/rad]
+    duration: float = 0.0  # of the movement, which says how much damping counts [s]
 
 
 @dataclass(frozen=True)
@@ -66,68 +67,100 @@ def spring_way(body: Body, arm: Arm, start: FloatArray, path: HandPath) -> Sprin
         start: posture (nq,) in which the way begins.
         path: of its hand.
     """
-    model, data = body.model, mujoco.MjData(body.model)
-    columns = body.qpos_of_dof[arm.dofs]
+    pulled, columns = _Pulled(body, arm, start, path), body.qpos_of_dof[arm.dofs]
     low, high = (limit[arm.dofs] for limit in body.range)
-    q, way = start.copy(), np.empty((len(path.place), len(start)))
-    linear, angular, mass = np.zeros((3, body.nv)), np.zeros((3, body.nv)), np.zeros((body.nv,) * 2)
-    swing, joints = np.zeros((3, body.nv)), len(arm.dofs)
-    stiff, damp, drag = np.zeros((3, len(way), joints, joints))
-    kept = _on_forearm(body, arm, start)
-    own_drag = np.eye(joints) * path.joint_damping
-    passive = passive_damping(body, arm.dofs)
-    for k in range(len(way)):
+    q, count, joints = start.copy(), len(path.place), len(arm.dofs)
+    way = np.empty((count, len(start)))
+    stiffness, damping, drag = np.zeros((3, count, joints, joints))
+    for k in range(count):
         for _ in range(STEPS):
-            data.qpos[:] = q
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            mujoco.mj_crb(model, data)
-            mujoco.mj_fullM(model, data, mass)
-            palm = place_of(data, arm.palm)
-            mujoco.mj_jac(model, data, linear, angular, palm, arm.hand)
-            parts = [(path.stiffness, linear, path.place[k] - palm)]
-            turns: list[tuple[float, FloatArray]] = []
-            hand = data.xmat[arm.hand].reshape(3, 3)
-            forearm, late = data.xmat[arm.forearm].reshape(3, 3), path.late[k]
-            mujoco.mj_jac(model, data, None, swing, palm, arm.forearm)
-            wanted = forearm @ kept[0]
-            if path.normal is not None:
-                wanted = turned(wanted, path.normal, late)
-            firm = path.turn_stiffness * (1.0 if path.fingers is not None else 1.0 - LOOSE * late)
-            goal = _along(data, arm.forearm, arm.hand) if path.fingers is None else path.fingers
-            ahead = turned(forearm @ kept[1], goal, late)
-            ahead = ahead - (ahead @ wanted) * wanted
-            ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-9)
-            follow_normal = 1.0 - late if path.normal is not None else 1.0
-            follow_ahead = 1.0 - late if path.fingers is not None else 1.0
-            for stiffness, own, to, carried in (
-                (path.turn_stiffness, hand @ arm.palm.normal, wanted, follow_normal),
-                (firm, hand @ arm.fingers, ahead, follow_ahead),
-            ):
-                parts.append((stiffness, angular, _turn(own, to)))
-                turns.append((stiffness, carried * swing))
-            if path.upper_arm is not None:
-                mujoco.mj_jac(model, data, None, swing, palm, arm.upper_arm)
-                off = _turn(_along(data, arm.upper_arm, arm.forearm), path.upper_arm[k])
-                parts.append((path.upper_arm_stiffness, swing.copy(), off))
-            of_palm, of_hand = linear[:, arm.dofs], angular[:, arm.dofs]
-            drag[k] = own_drag + path.turn_damping * of_hand.T @ of_hand
-            lazy = mass[np.ix_(arm.dofs, arm.dofs)] + DRAGGING * path.duration * (passive + drag[k])
-            pull = np.zeros(joints)
-            stiff[k] = 0.0
-            for stiffness, jacobian, off in parts:
-                own = jacobian[:, arm.dofs]
-                stiff[k] += stiffness * own.T @ own
-                pull += stiffness * own.T @ off
-            for stiffness, jacobian in turns:  # the goals that turn with the forearm
-                stiff[k] -= stiffness * of_hand.T @ jacobian[:, arm.dofs]
-            step = _within(lazy + stiff[k], pull, low - q[columns], high - q[columns])
+            pulled.move(q)
+            stiffness[k], pull = pulled.springs(k)
+            damping[k], drag[k], lazy = pulled.dampers()
+            step = _within(lazy + stiffness[k], pull, low - q[columns], high - q[columns])
             q[columns] += step
             if np.abs(step).max() < NEAR:
                 break
         way[k] = q
-        damp[k] = path.damping * of_palm.T @ of_palm
-    return Springs(way, stiff, damp, drag)
+    return Springs(way, stiffness, damping, drag)
+
+
+class _Pulled:
+    """An arm that is pulled by its hand."""
+
+    def __init__(self, body: Body, arm: Arm, start: FloatArray, path: HandPath) -> None:
+        self._body, self._arm, self._path = body, arm, path
+        self._data = mujoco.MjData(body.model)
+        self._mass = np.zeros((body.nv, body.nv))
+        self._passive = passive_damping(body, arm.dofs)
+        self._own = np.eye(len(arm.dofs)) * path.joint_damping
+        hand, forearm = axes_of(body, start, arm.hand), axes_of(body, start, arm.forearm)
+        # The palm's normal and the fingers as they are on the forearm when it begins.
+        self._kept = forearm.T @ hand @ arm.palm.normal, forearm.T @ hand @ arm.fingers
+
+    def move(self, qpos: FloatArray) -> None:
+        """Bring kinematics and Jacobians (3, j) to a posture (nq,)."""
+        body, data, arm = self._body, self._data, self._arm
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(body.model, data)
+        mujoco.mj_comPos(body.model, data)
+        self._palm = place_of(data, arm.palm)
+        self._linear, self._angular = self._jacobians(arm.hand)
+        self._hand = data.xmat[arm.hand].reshape(3, 3)
+
+    def springs(self, k: int) -> tuple[FloatArray, FloatArray]:
+        """Stiffness (j, j) and torque (j,) of the springs at the k-th place."""
+        path, arm, data = self._path, self._arm, self._data
+        stiffness = path.stiffness * self._linear.T @ self._linear
+        pull = path.stiffness * self._linear.T @ (path.place[k] - self._palm)
+        _, carrying = self._jacobians(arm.forearm)
+        for firmness, own, wanted, carried in self._turns(k):
+            relative = self._angular - carried * carrying
+            stiffness += firmness * self._angular.T @ relative
+            pull += firmness * self._angular.T @ _turn(own, wanted)
+        if path.upper_arm is not None:
+            _, swing = self._jacobians(arm.upper_arm)
+            along = _along(data, arm.upper_arm, arm.forearm)
+            stiffness += path.upper_arm_stiffness * swing.T @ swing
+            pull += path.upper_arm_stiffness * swing.T @ _turn(along, path.upper_arm[k])
+        return stiffness, pull
+
+    def dampers(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Damping and drag (j, j), and what makes the joints slow to move: see `DRAGGING`."""
+        path, dofs = self._path, self._arm.dofs
+        mujoco.mj_crb(self._body.model, self._data)
+        mujoco.mj_fullM(self._body.model, self._data, self._mass)
+        damping = path.damping * self._linear.T @ self._linear
+        drag = self._own + path.turn_damping * self._angular.T @ self._angular
+        lazy = self._mass[np.ix_(dofs, dofs)] + DRAGGING * path.duration * (self._passive + drag)
+        return damping, drag, lazy
+
+    def _turns(self, k: int) -> list[tuple[float, FloatArray, FloatArray, float]]:
+        """Of palm and fingers: firmness, where they point, where to, and how far that turns with
+        the forearm.
+        """  # noqa: D205
+        path, arm, data, late = self._path, self._arm, self._data, self._path.late[k]
+        forearm = data.xmat[arm.forearm].reshape(3, 3)
+        normal, ahead = (forearm @ kept for kept in self._kept)
+        free = path.fingers is None
+        goal = path.fingers if path.fingers is not None else _along(data, arm.forearm, arm.hand)
+        if path.normal is not None:
+            normal = turned(normal, path.normal, late)
+        ahead = turned(ahead, goal, late)
+        ahead = ahead - (ahead @ normal) * normal
+        ahead /= max(float(np.linalg.norm(ahead)), 1e-9)
+        firm = path.turn_stiffness * (1.0 - LOOSE * late if free else 1.0)
+        return [
+            (path.turn_stiffness, self._hand @ arm.palm.normal, normal,
+             1.0 if path.normal is None else 1.0 - late),
+            (firm, self._hand @ arm.fingers, ahead, 1.0 if free else 1.0 - late),
+        ]  # fmt: skip
+
+    def _jacobians(self, link: int) -> tuple[FloatArray, FloatArray]:
+        """Of the palm, as if it were fixed to a link: linear and angular, (3, j) each."""
+        both = np.zeros((2, 3, self._body.nv))
+        mujoco.mj_jac(self._body.model, self._data, both[0], both[1], self._palm, link)
+        return both[0][:, self._arm.dofs], both[1][:, self._arm.dofs]
 
 
 def passive_damping(body: Body, dofs: NDArray[np.int32]) -> FloatArray:
@@ -174,19 +207,6 @@ def place_of(data: mujoco.MjData, spot: Spot) -> FloatArray:
     return place
 
 
-def _along(data: mujoco.MjData, one: int, other: int) -> FloatArray:
-    """Unit vector from the origin of a link to that of another."""
-    way = data.xpos[other] - data.xpos[one]
-    unit: FloatArray = way / np.linalg.norm(way)
-    return unit
-
-
-def _on_forearm(body: Body, arm: Arm, qpos: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The palm's normal and the fingers in the frame of the forearm, in a posture."""
-    hand, forearm = axes_of(body, qpos, arm.hand), axes_of(body, qpos, arm.forearm)
-    return forearm.T @ hand @ arm.palm.normal, forearm.T @ hand @ arm.fingers
-
-
 def turned(start: FloatArray, goal: FloatArray, share: float) -> FloatArray:
     """The unit vector so far on the great circle from one to another."""
     cosine = float(np.clip(start @ goal, -1.0, 1.0))
@@ -201,24 +221,29 @@ def turned(start: FloatArray, goal: FloatArray, share: float) -> FloatArray:
     return between
 
 
+def _along(data: mujoco.MjData, one: int, other: int) -> FloatArray:
+    """Unit vector from the origin of a link to that of another."""
+    way = data.xpos[other] - data.xpos[one]
+    unit: FloatArray = way / np.linalg.norm(way)
+    return unit
+
+
 def _turn(own: FloatArray, wanted: FloatArray) -> FloatArray:
     """Rotation vector that takes one unit vector to another, its length held to at most 1."""
-    axis = np.cross(own, wanted)
+    axis: FloatArray = np.cross(own, wanted)
     if own @ wanted < 0.0:
         axis /= max(float(np.linalg.norm(axis)), 1e-9)
-    turn: FloatArray = axis
-    return turn
+    return axis
 
 
 def _within(
-    hessian: FloatArray, pull: FloatArray, low: FloatArray, high: FloatArray
+    stiffness: FloatArray, pull: FloatArray, low: FloatArray, high: FloatArray
 ) -> FloatArray:
-    """The step (j,) that minimises the energy; joints that would pass a limit stop there."""
+    """The step (j,) to the balance of the springs; joints that would pass a limit stop there."""
     step, free = np.zeros(len(pull)), np.ones(len(pull), dtype=bool)
     for _ in range(len(pull)):
-        own = np.ix_(free, free)
-        rest = pull[free] - hessian[np.ix_(free, ~free)] @ step[~free]
-        step[free] = np.linalg.solve(hessian[own], rest)
+        rest = pull[free] - stiffness[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.solve(stiffness[np.ix_(free, free)], rest)
         past = free & ((step < low) | (step > high))
         if not past.any():
             break
@@ -226,4 +251,4 @@ def _within(
         free &= ~past
         if not free.any():
             break
-    return np.clip(step, -0.5, 0.5)
+    return np.clip(step, -LEAP, LEAP)

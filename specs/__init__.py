@@ -14,10 +14,10 @@ from specs.task import Background, SubTask, TaskSpec, with_tempo
 from specs.writing import task_to_yaml
 
 __all__ = [
+    "KINDS",
     "Background",
     "BoundTask",
     "Condition",
-    "KINDS",
     "Document",
     "Finding",
     "Group",

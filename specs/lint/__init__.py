@@ -8,8 +8,9 @@ from specs.lint.fights import fighting_primitives
 from specs.lint.finding import KINDS, SEVERITIES, Finding, Places, refusal
 from specs.lint.haste import too_fast
 from specs.lint.joint_limits import beyond_limits
-from specs.lint.reachable import MISS, out_of_reach
+from specs.lint.reachable import out_of_reach
 from specs.reading import Document
+from specs.tolerances import TOUCH_BEFORE_NEXT
 
 __all__ = ["KINDS", "SEVERITIES", "Finding", "lint_task", "refusal"]
 
@@ -26,7 +27,7 @@ def lint_task(task: BoundTask, document: Document | None = None) -> list[Finding
     found = out_of_reach(task, places, moves)
     missed = {finding.subtask for finding in found}
     within = [move for move in moves if move.name not in missed]
-    foreseen = [move for move in within if move.short <= MISS]
+    foreseen = [move for move in within if move.short <= TOUCH_BEFORE_NEXT]
     found += beyond_limits(task, places, moves)
     found += too_fast(task, places, within)
     found += colliding_ways(task, places, foreseen)

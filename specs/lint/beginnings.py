@@ -81,9 +81,7 @@ def _untaken(task: BoundTask, subtask: SubTask, key: str, holds: Holds) -> list[
     return [o for o, kind in kinds.items() if subtask.otherwise is not None and kind == "after"]
 
 
-def _said(
-    places: Places, subtask: SubTask, key: str, holds: Holds, why: str
-) -> Finding | None:
+def _said(places: Places, subtask: SubTask, key: str, holds: Holds, why: str) -> Finding | None:
     name, condition = subtask.name, subtask.conditions[key]
     below = (key, "until", "distance") if key == "repeat" else (key, "distance")
     then = f", so {subtask.otherwise} begins instead" if subtask.otherwise else ""
@@ -113,9 +111,7 @@ def _consequences(
     for name in task.graph.order:
         before = list(graph.predecessors(name))
         reasons = [p for p in before if (p, name) in closed or p in dead]
-        reasons += [
-            p for p in before if p in skipped and graph.edges[p, name]["kind"] == WHILE
-        ]
+        reasons += [p for p in before if p in skipped and graph.edges[p, name]["kind"] == WHILE]
         if before and len(set(reasons)) == len(before):
             dead[name] = reasons[0]
             yield places.finding(

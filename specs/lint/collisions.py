@@ -111,8 +111,10 @@ def _round(task: BoundTask, move: Move, hit: Clash) -> tuple[str, Via]:
     does = task.graph.subtasks[move.name].does
     if not isinstance(does, GoToPoint | GetPosture) or does.via:
         return "move its via points away from there", None
-    tries = _via_places(task, move, does) if isinstance(does, GoToPoint) else _via_postures(
-        task, move, does
+    tries = (
+        _via_places(task, move, does)
+        if isinstance(does, GoToPoint)
+        else _via_postures(task, move, does)
     )
     for said, changed in tries:
         way = led_by(task, changed, move)
@@ -122,9 +124,7 @@ def _round(task: BoundTask, move: Move, hit: Clash) -> tuple[str, Via]:
     return "go round it by way of via points; one alone was not found", None
 
 
-def _via_places(
-    task: BoundTask, move: Move, does: GoToPoint
-) -> Iterator[tuple[str, GoToPoint]]:
+def _via_places(task: BoundTask, move: Move, does: GoToPoint) -> Iterator[tuple[str, GoToPoint]]:
     body, arm = task.body, task.body.arm(does.limb)
     start, end = (places_of(body, move.way[k], [arm.palm])[0] for k in (0, -1))
     (trunk,) = places_of(body, move.way[0], [origin(arm.root)])

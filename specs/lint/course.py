@@ -52,14 +52,14 @@ def planned_moves(task: BoundTask) -> list[Move]:
     carried = any(isinstance(b.does, CompensateGravity) for b in task.spec.background)
     moves: list[Move] = []
     posture = task.start.copy()
-    over: list[tuple[float, IntArray, FloatArray]] = []  # what is still to come true
-    for field in task.background:
-        if isinstance(field, PostureField):
-            over.append((BACKGROUND_SETTLING, field.claims, field.goal[field.claims]))
+    over: list[tuple[float, IntArray, FloatArray]] = [  # what is still to come true
+        (BACKGROUND_SETTLING, field.claims, field.goal[field.claims])
+        for field in task.background
+        if isinstance(field, PostureField)
+    ]
     planned = sorted(range(len(graph.order)), key=lambda k: graph.planned[graph.order[k]][0])
     next_claim = _next_claims(task)
     known: dict[object, Move | None] = {}
-    owners: dict[int, int] = {}  # joint -> the sub-task that claimed it last
     for k in planned:
         name, field = graph.order[k], task.fields[k]
         start, end = graph.planned[name]
@@ -76,11 +76,9 @@ def planned_moves(task: BoundTask) -> list[Move]:
         move = known[key]
         if move is not None:
             moves.append(Move(**{**vars(move), "name": name}))
-        owners |= {int(dof): k for dof in field.claims}
         left = _leaves(body, subtask.does, field, posture, move)
         if left is not None:
-            own = field.claims
-            over.append((end, own, left))
+            over.append((end, field.claims, left))
     return moves
 
 
@@ -202,7 +200,7 @@ def _hand_springs(body: Body, field: ReachField, start: FloatArray, travel: floa
         shoulder_at, elbow = places_of(body, start, [origin(arm.upper_arm), origin(arm.forearm)])
         along = (elbow - shoulder_at) / np.linalg.norm(elbow - shoulder_at)
         upper_arm = np.array([turned(along, root @ goal.upper_arm, share) for share in rise])
-    shoulder = np.isin(arm.dofs, arm.shoulder_dofs)
+    shoulder = np.isin(arm.dofs, arm.shoulder_dofs).astype(np.float64)
     path = HandPath(
         place=field.weights(shares * travel) @ knots,
         stiffness=float(gains["stiffness"]),

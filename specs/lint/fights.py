@@ -38,8 +38,8 @@ def _pairs(task: BoundTask, places: Places) -> Iterator[Finding]:
             "warning", "fight", other,
             f"it and {one!r} pull {joints}{more} at once, each to a place of its own; they will"
             " come to rest between the two",
-            f"leave those joints out of one of them, or put both into a group with the rule"
-            f" null-space or dominant",
+            "leave those joints out of one of them, or put both into a group with the rule"
+            " null-space or dominant",
             other=one, joints=[task.body.dof_name(d) for d in shared],
         )  # fmt: skip
 
@@ -55,7 +55,8 @@ def _alike(task: BoundTask, one: Field, other: Field, shared: list[int]) -> bool
 def _goal(task: BoundTask, field: Field) -> FloatArray | None:
     """The angles (nv,) that a field wants; None if nobody can tell."""
     if isinstance(field, PostureField):
-        return field.goal
+        goal: FloatArray = field.goal
+        return goal
     if isinstance(field, StayField) and field in task.background:
         return task.start[task.body.qpos_of_dof]
     return None

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from primitives.primitive import FloatArray
 from sim.lag import Haste, Lag
 from specs.binding import BoundTask
 from specs.lint.course import Move
-from specs.lint.finding import Finding, Places
+from specs.lint.finding import Finding, Places, Severity
 
 SPARE = 1.15  # of the shortest time that the model gives: it is a model
 LONGEST = 64.0  # times the given one are tried
@@ -30,7 +31,8 @@ def too_fast(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Fin
         lag, miss, shortest = short
         said = _why(task, move, lag, miss)
         misses = miss > 1.0 and not lag.lost
-        severity = "error" if misses or task.spec.safety == "filter" else "warning"
+        grave = misses or task.spec.safety == "filter"
+        severity: Severity = "error" if grave else "warning"
         beats = shortest * task.spec.tempo / 60.0
         found.append(
             places.finding(
@@ -82,7 +84,7 @@ def _works(lag: Lag, miss: float) -> bool:
 def _why(task: BoundTask, move: Move, lag: Lag, miss: float) -> str:
     body = task.body
 
-    def joint(shares: np.ndarray) -> str:  # type: ignore[type-arg]
+    def joint(shares: FloatArray) -> str:
         return body.dof_name(int(move.dofs[int(np.argmax(shares))]))
 
     if lag.torque.max() > 1.0:
