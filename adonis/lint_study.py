@@ -37,8 +37,7 @@ from primitives import (
     ViaPlace,
     ViaPosture,
 )
-from sim import Body, Recording, Replay, adonis
-from sim.clearance import clearances
+from sim import Body, Recording, Replay, adonis, clearances
 from specs import (
     Background,
     BoundTask,
@@ -271,8 +270,8 @@ def try_range(body: Body, seed: int) -> Case:
 def try_condition(body: Body, seed: int) -> Case:
     """A sub-task that begins only near a landmark, to which the hand is sent before."""
     rng = np.random.default_rng(seed)
-    mark = str(rng.choice(("right_elbow.inside", "left_hip", "right_hip", "head.back")))
-    own = mark == "right_elbow.inside"
+    own = bool(rng.random() < 0.6)
+    mark = "right_elbow.inside" if own else str(rng.choice(("left_hip", "right_hip", "head.back")))
     distance = float(rng.uniform(0.1, 0.4) if own else rng.uniform(0.02, 0.2))
     near = Condition(near=mark, limb="right_arm", distance=distance)
     send: Primitive = GoToPoint(limb="right_arm", to=Place(near=mark))

@@ -35,7 +35,7 @@ def clearances(body: Body, way: FloatArray, pairs: Iterable[tuple[str, str]]) ->
     return found
 
 
-def depth(
+def depth_inside(
     body: Body, qpos: FloatArray, point: FloatArray, links: Iterable[str]
 ) -> tuple[float, str]:
     """How deep a point (3,) of the world lies in one of some links [m], and in which; 0 if in none.

@@ -108,17 +108,14 @@ class Haste:
         need = now.push + now.drag @ now.speed + now.weight - borne
         inert = now.mass @ rate / dt + need
         square = now.mass / dt + now.drag
-        new: FloatArray = np.linalg.solve(
-            square + now.damping + dt * now.stiffness, inert + held - now.stiffness @ e
-        )
+        new = _solved(square + now.damping + dt * now.stiffness, inert + held - now.stiffness @ e)
         asked = now.stiffness @ (e + dt * new) + now.damping @ new - held + borne
         over = np.abs(asked) > self._limit
         if not over.any():
             return new
         stiffness, damping = (np.where(over[:, None], 0.0, m) for m in (now.stiffness, now.damping))
         made = np.where(over, np.sign(asked) * self._limit - borne, -held)
-        new = np.linalg.solve(square + damping + dt * stiffness, inert - made - stiffness @ e)
-        return new
+        return _solved(square + damping + dt * stiffness, inert - made - stiffness @ e)
 
     def _needs(self, travel: float) -> "_Needs":
         """What the way takes in a time [s]."""
@@ -192,6 +189,10 @@ class _Needs:
             moving * mixed(self.speed), mixed(self.gone), mixed(self.stiffness),
             mixed(self.damping), mixed(self.drag),
         )  # fmt: skip
+
+
+def _solved(square: FloatArray, right: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.solve(square, right), dtype=np.float64)
 
 
 def _rise(s: float) -> float:

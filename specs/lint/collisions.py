@@ -8,9 +8,7 @@ import numpy as np
 
 from primitives import GetPosture, GoToPoint, ViaPlace, ViaPosture
 from primitives.primitive import FloatArray
-from sim import Body
-from sim.clearance import clearances
-from sim.spring_way import axes_of, origin, places_of
+from sim import Body, axes_of, clearances, origin, places_of
 from specs.binding import BoundTask
 from specs.lint.course import Move, led_by
 from specs.lint.finding import Finding, Places, cm, point

@@ -7,9 +7,18 @@ import numpy as np
 from primitives import GoToPoint
 from primitives.posture_field import PostureField
 from primitives.primitive import FloatArray
-from sim import Arm, Body, BodyError, PalmGoal, Spot, World, moving_dofs, reach
-from sim.clearance import depth
-from sim.spring_way import places_of
+from sim import (
+    Arm,
+    Body,
+    BodyError,
+    PalmGoal,
+    Spot,
+    World,
+    depth_inside,
+    moving_dofs,
+    places_of,
+    reach,
+)
 from specs.binding import BoundTask
 from specs.lint.collisions import is_free
 from specs.lint.course import Move
@@ -124,7 +133,7 @@ def _inside(body: Body, arm: Arm, goal: Spot, away: set[int]) -> tuple[float, st
         if not (moving_dofs(body, body.link(link)) ^ moving_dofs(body, goal.link)) & away
     ]  # fmt: skip
     try:
-        return depth(body, body.home, body.at_home(goal.link, goal.point), fixed)
+        return depth_inside(body, body.home, body.at_home(goal.link, goal.point), fixed)
     except BodyError:
         return 0.0, ""
 

@@ -8,8 +8,7 @@ from primitives import GetPosture, GoToPoint
 from primitives.posture_field import PostureField
 from primitives.primitive import FloatArray, IntArray
 from primitives.reach_field import ReachField
-from sim import Arm, Body
-from sim.spring_way import axes_of, origin, palm_jacobian, places_of
+from sim import Arm, Body, axes_of, origin, palm_jacobian, places_of
 from specs.tolerances import ANGLE, PALM_ANGLE, TOUCH_AT_END, TOUCH_BEFORE_NEXT
 
 LOOKS = 8  # times that a posture that is held is looked at
