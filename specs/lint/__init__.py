@@ -10,7 +10,6 @@ from specs.lint.haste import too_fast
 from specs.lint.joint_limits import beyond_limits
 from specs.lint.reachable import out_of_reach
 from specs.reading import Document
-from specs.tolerances import TOUCH_BEFORE_NEXT
 
 __all__ = ["KINDS", "SEVERITIES", "Finding", "lint_task", "refusal"]
 
@@ -27,10 +26,9 @@ def lint_task(task: BoundTask, document: Document | None = None) -> list[Finding
     found = out_of_reach(task, places, moves)
     missed = {finding.subtask for finding in found}
     within = [move for move in moves if move.name not in missed]
-    foreseen = [move for move in within if move.short <= TOUCH_BEFORE_NEXT]
     found += beyond_limits(task, places, moves)
     found += too_fast(task, places, within)
-    found += colliding_ways(task, places, foreseen)
+    found += colliding_ways(task, places, within)
     found += never_begins(task, places)
     found += fighting_primitives(task, places)
     rank = {name: k for k, name in enumerate(b.name for b in task.spec.background)}

@@ -12,11 +12,12 @@ from sim import Body, axes_of, clearances, origin, places_of
 from specs.binding import BoundTask
 from specs.lint.course import Move, led_by
 from specs.lint.finding import Finding, Places, cm, point
-from specs.tolerances import PENETRATION
+from specs.tolerances import PENETRATION, TOUCH_BEFORE_NEXT
 
 Via = dict[str, Any] | None  # as a task file writes it
 
 EVERY = 2  # nodes of a way from one that is looked at to the next
+STRAY = TOUCH_BEFORE_NEXT  # [m] from its goal, at the end of a way that is foreseen
 PRESSED = 0.015  # [m] that a hand and what it touches may go into each other in the end
 FARTHEST = (0.08, 0.16, 0.24, 0.32)  # [m] of a via point from the middle of the way
 OUTWARDS = (  # forward, to the arm's own side, up
@@ -36,10 +37,21 @@ class Clash:
 
 
 def colliding_ways(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
-    """Ways that pass through something, as far as they can be foreseen."""
+    """Ways that pass through something or get stuck, as far as they can be foreseen."""
     found = []
     known: dict[int, tuple[Clash, str, Via] | None] = {}
     for move in moves:
+        if move.short > STRAY:  # then how the arm goes on cannot be foreseen
+            found.append(
+                places.finding(
+                    "note", "stuck", move.name,
+                    f"its way may lead the arm to the ends of its joints, {cm(move.short)} short"
+                    " of the goal",
+                    "lead it round by via points, or by a direction of 'upper_arm'",
+                    short=move.short,
+                )
+            )  # fmt: skip
+            continue
         key = id(move.way)
         if key not in known:
             hit = clash(task.body, move, move.way)

@@ -19,6 +19,7 @@ KINDS: dict[str, str] = {
     "inside-body": "the goal lies inside the body",
     "too-fast": "the time is too short for the body's torques, speeds or springs",
     "collision": "on the way, or at its end, links go into each other that must not touch",
+    "stuck": "the way may end at the ends of joints before it comes to the goal",
     "never": "a condition that can never hold, or always does, so that something never begins",
     "event": "something waits for an event that only a program of one's own can send",
     "fight": "two primitives pull the same joints to different places at once",

@@ -29,6 +29,7 @@ ANGLE = 1e-3  # [rad] as good as at home
 ARRIVED = 0.005  # [m] from the goal
 SAMPLES, ROUNDS = 256, 12  # postures that are tried at once, and how often the search narrows
 
+ORIGIN: FloatArray = np.zeros(3)
 Best = tuple[float, FloatArray | None]  # miss [m], and the nearest place (3,), if it is known
 
 
@@ -50,7 +51,7 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
         key = arm.name, repr(does.to), does.palm
         if key not in known:
             sunk, link = _inside(body, arm, goal, away)
-            known[key] = sunk, link, (0.0, None) if sunk > MISS else best(task, does, away)
+            known[key] = sunk, link, (0.0, None) if sunk > MISS else best(task, does, away, link)
         sunk, link, (miss, nearest) = known[key]
         if sunk > MISS:
             found.append(
@@ -76,9 +77,10 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
     return found
 
 
-def best(task: BoundTask, does: GoToPoint, away: set[int]) -> Best:
+def best(task: BoundTask, does: GoToPoint, away: set[int], pressed: str) -> Best:
     """By how much a palm misses its goal at best, and where it then is, seen from the trunk.
 
+    A link that is `pressed`, the goal being a little inside it, may be touched.
     Where the goal moves with joints that the task moves away from home, nobody can tell: 0.
     """
     body, arm = task.body, task.body.arm(does.limb)
@@ -88,22 +90,31 @@ def best(task: BoundTask, does: GoToPoint, away: set[int]) -> Best:
         return miss_itself(body, arm, goal), None
     if between & away:
         return 0.0, None
-    return nearest(body, arm, goal, does.to if isinstance(does.to, str) else None)
+    touched = body.link(pressed) if pressed else -1
+    return nearest(body, arm, goal, does.to if isinstance(does.to, str) else None, touched)
 
 
-def nearest(body: Body, arm: Arm, goal: Spot, touched: str | None) -> Best:
-    """The same with all other joints at home; a landmark that is touched is faced if possible."""
+def nearest(body: Body, arm: Arm, goal: Spot, faced: str | None, touched: int = -1) -> Best:
+    """The same with all other joints at home; a landmark is faced if possible."""
     normals: list[FloatArray | None] = [None]
-    if touched is not None:
-        normals = [body.from_link(goal.link, -body.landmark(touched).normal), None]
+    if faced is not None:
+        normals = [body.from_link(goal.link, -body.landmark(faced).normal), None]
+    place, shoulder = body.at_home(goal.link, goal.point), body.at_home(arm.upper_arm, ORIGIN)
+    far, long = float(np.linalg.norm(place - shoulder)), body.reach(arm)
+    if far > long:  # no farther out than the arm is long, in the same direction
+        within = shoulder + (place - shoulder) * long / far
+        goal = Spot(
+            arm.root, body.to_link(arm.root, within - body.at_home(arm.root, ORIGIN)), ORIGIN
+        )
     least, where = np.inf, None
     for normal in normals:
-        postures, misses = reach(body, arm, [PalmGoal(goal, normal=normal)])
-        if misses[0] < least:
-            least = float(misses[0])
-            qpos = body.home.copy()
-            qpos[body.qpos_of_dof[arm.dofs]] = postures[0, arm.dofs]
-            where = places_of(body, qpos, [arm.palm])[0] - body.at_home(arm.root, np.zeros(3))
+        postures, _ = reach(body, arm, [PalmGoal(goal, normal=normal, touched=touched)])
+        qpos = body.home.copy()
+        qpos[body.qpos_of_dof[arm.dofs]] = postures[0, arm.dofs]
+        palm = places_of(body, qpos, [arm.palm])[0]
+        miss = float(np.linalg.norm(palm - place))
+        if miss < least:
+            least, where = miss, palm - body.at_home(arm.root, ORIGIN)
         if least <= MISS:
             break
     return least, where
