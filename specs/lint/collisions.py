@@ -17,9 +17,11 @@ from specs.tolerances import PENETRATION, TOUCH_BEFORE_NEXT
 Via = dict[str, Any] | None  # as a task file writes it
 
 EVERY = 2  # nodes of a way from one that is looked at to the next
+ROOM, APART = 0.015, 6  # [m] left by a way round, and nodes at its ends where it need not be
 STRAY = TOUCH_BEFORE_NEXT  # [m] from its goal, at the end of a way that is foreseen
 PRESSED = 0.015  # [m] that a hand and what it touches may go into each other in the end
 FARTHEST = (0.08, 0.16, 0.24, 0.32)  # [m] of a via point from the middle of the way
+MOST_SEARCHES = 4  # for via points in one task: each may take a second
 OUTWARDS = (  # forward, to the arm's own side, up
     *((1, 0, 0), (1, 1, 0), (0, 1, 0), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
     *((1, 0, -1), (1, 1, -1), (0, 0, 1), (1, -1, 0)),
@@ -40,6 +42,7 @@ def colliding_ways(task: BoundTask, places: Places, moves: Sequence[Move]) -> li
     """Ways that pass through something or get stuck, as far as they can be foreseen."""
     found = []
     known: dict[int, tuple[Clash, str, Via] | None] = {}
+    searches = 0
     for move in moves:
         if move.short > STRAY:  # then how the arm goes on cannot be foreseen
             found.append(
@@ -55,7 +58,9 @@ def colliding_ways(task: BoundTask, places: Places, moves: Sequence[Move]) -> li
         key = id(move.way)
         if key not in known:
             hit = clash(task.body, move, move.way)
-            known[key] = None if hit is None else (hit, *_round(task, move, hit))
+            searches += hit is not None
+            aided = searches <= MOST_SEARCHES
+            known[key] = None if hit is None else (hit, *_round(task, move, hit, aided))
         told = known[key]
         if told is None:
             continue
@@ -74,11 +79,7 @@ def colliding_ways(task: BoundTask, places: Places, moves: Sequence[Move]) -> li
 
 def clash(body: Body, move: Move, way: FloatArray) -> Clash | None:
     """The deepest collision on a way (k, nq) that is deeper than where it begins and ends."""
-    moved = set(move.dofs.tolist())
-    pairs = [
-        pair for pair in body.map.keep_apart
-        if _moved_by(body, pair[0], moved) != _moved_by(body, pair[1], moved)
-    ]  # fmt: skip
+    pairs = _pairs(body, move)
     if not pairs:
         return None
     looked = way[::EVERY]
@@ -103,6 +104,23 @@ def is_free(body: Body, move: Move, way: FloatArray) -> bool:
     return clash(body, move, way) is None
 
 
+def _is_roomy(body: Body, move: Move, way: FloatArray) -> bool:
+    """Whether a way keeps its distance, but for where it begins and ends."""
+    if not is_free(body, move, way):
+        return False
+    return bool(clearances(body, way[APART:-APART:EVERY], _pairs(body, move)).min() > ROOM)
+
+
+def _pairs(body: Body, move: Move) -> list[tuple[str, str]]:
+    """Links that must not touch and of which the movement moves one."""
+    moved = set(move.dofs.tolist())
+    return [
+        pair
+        for pair in body.map.keep_apart
+        if _moved_by(body, pair[0], moved) != _moved_by(body, pair[1], moved)
+    ]
+
+
 def _moved_by(body: Body, link: str, dofs: set[int]) -> frozenset[int]:
     return frozenset(dofs & set(np.flatnonzero(body.ancestors[body.link(link)]).tolist()))
 
@@ -114,7 +132,7 @@ def _touches(body: Body, move: Move, pair: tuple[str, str]) -> bool:
     return set(pair) == {hand, body.model.body(move.touched).name}
 
 
-def _round(task: BoundTask, move: Move, hit: Clash) -> tuple[str, Via]:
+def _round(task: BoundTask, move: Move, hit: Clash, search: bool) -> tuple[str, Via]:
     """What to do about a collision, and a via point that avoids it, if one is soon found."""
     if hit.at == 1.0:
         return "choose another goal, or turn the hand or the elbow another way", None
@@ -126,9 +144,9 @@ def _round(task: BoundTask, move: Move, hit: Clash) -> tuple[str, Via]:
         if isinstance(does, GoToPoint)
         else _via_postures(task, move, does)
     )
-    for said, changed in tries:
+    for said, changed in tries if search else ():
         way = led_by(task, changed, move)
-        if way is not None and clash(task.body, move, way) is None:
+        if way is not None and _is_roomy(task.body, move, way):
             via = changed.via[0].model_dump(exclude_defaults=True)
             return f"go round it: via: [{said}]", via
     return "go round it by way of via points; one alone was not found", None

