@@ -25,7 +25,7 @@ def task(body: Body, does: Primitive, seconds: float) -> BoundTask:
     return bind_task(TaskSpec(task="t", background=beside, subtasks=(step,)), body)
 
 
-@pytest.mark.parametrize("seconds", [0.2, 0.35, 0.6])
+@pytest.mark.parametrize("seconds", [0.3, 0.5, 0.8])
 def test_the_lag_of_a_posture_is_foreseen(body: Body, seconds: float) -> None:
     made = task(body, GetPosture(limb="right_arm", posture=RAISED), seconds)
     (move,) = planned_moves(made)
