@@ -159,49 +159,39 @@ def check(
     tempo: TempoOption = None,
     primitives: PrimitivesOption = None,
     explain: ExplainOption = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the findings for tools.")] = False,
 ) -> None:
-    """Find what is wrong with a task, without simulating it.
+    """Find what is wrong or doubtful in a task, without simulating a single step.
 
-    Reads it, binds every name to the body, orders it, and prints when each sub-task is planned.
-    Ends with 0 if nothing is wrong, 1 if a goal cannot be reached, 2 if the task makes no sense.
+    Reads it, binds every name to the body, prints when each sub-task is planned, and what would
+    go wrong: goals out of reach, too little time, collisions on the way, and more.
+    Ends with 2 if the task makes no sense, 1 if there is an error, 0 if at most warnings.
     """
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
+    from adonis.linting import findings_json, print_findings, print_plan
+    from sim import BodyError, load_body
+    from specs import SpecError, bind_task, lint_task, refusal
 
-    from specs import doubts
+    classes = _classes(primitives)
+    try:
+        spec, document = _read(task, tempo, classes)
+        bound = bind_task(spec, load_body(body), document)
+    except (BodyError, SpecError) as problem:
+        if as_json and isinstance(problem, SpecError):
+            typer.echo(findings_json([refusal(problem)]))
+            sys.exit(BAD_INPUT)
+        _refuse(problem)
+    found = lint_task(bound, document)
+    if as_json:
+        typer.echo(findings_json(found, spec.task, body))
+    else:
+        from rich.console import Console
 
-    if explain:
-        print_explanation(task)
-    bound = _bind(task, body, tempo, primitives)
-    spec, graph = bound.spec, bound.graph
-    table = Table(title=escape(spec.title or spec.task), title_justify="left")
-    for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
-                             ("moves", "left"), ("from", "right"), ("to", "right")):  # fmt: skip
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
-    depends = any(s.circumstances for s in spec.subtasks)
-    if depends:
-        table.add_column("if, while, until")
-    for number, name in enumerate(graph.order, start=1):
-        does, (start, end) = graph.subtasks[name].does, graph.planned[name]
-        moves = getattr(does, "limb", None) or ", ".join(getattr(does, "joints", None) or ())
-        more = (escape(graph.subtasks[name].circumstances),) if depends else ()
-        times = f"{start:.2f}", f"{end:.2f} s"
-        table.add_row(str(number), name, does.kind, moves.replace("_", " "), *times, *more)
-    (console := Console()).print(table)
-    beside = ", ".join(f"{b.name} ({b.does.kind})" for b in spec.background) or "nothing"
-    console.print(f"Beside them: {beside}.", soft_wrap=True)
-    console.print(
-        f"{len(graph.order)} sub-tasks, {graph.duration:.2f} s at {spec.tempo:g} beats per"
-        f" minute on {bound.body.map.name}.",
-        soft_wrap=True,
-    )
-    found = doubts(bound)
-    for doubt in found:
-        console.print(f"[yellow]{escape(doubt)}[/yellow]", soft_wrap=True)
-    if found:
-        raise typer.Exit(FAILED)
-    console.print("Nothing wrong was found.")
+        console = Console()
+        if explain:
+            print_explanation(task)
+        print_plan(console, bound)
+        print_findings(console, found)
+    raise typer.Exit(FAILED if any(f.severity == "error" for f in found) else 0)
 
 
 @app.command()
@@ -397,14 +387,21 @@ def main() -> None:
 def _load(
     task: str, tempo: float | None, primitives: list[str] | None
 ) -> "tuple[TaskSpec, Document]":
-    """Read a task; a tempo given on the command line replaces its own."""
-    from specs import SpecError, load_task, with_tempo
+    """`_read`; every mistake ends here, with code 2."""
+    from specs import SpecError
 
     try:
-        spec, document = load_task(task, primitives=_classes(primitives))
-        return (spec if tempo is None else with_tempo(spec, tempo)), document
+        return _read(task, tempo, _classes(primitives))
     except SpecError as problem:
         _refuse(problem)
+
+
+def _read(task: str, tempo: float | None, classes: "list[type]") -> "tuple[TaskSpec, Document]":
+    """Read a task; a tempo given on the command line replaces its own."""
+    from specs import load_task, with_tempo
+
+    spec, document = load_task(task, primitives=classes)
+    return (spec if tempo is None else with_tempo(spec, tempo)), document
 
 
 def _bind(

@@ -30,13 +30,10 @@ from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
 from specs import SubTask, TaskSpec, task_from_text
 from specs.groups import together
+from specs.tolerances import ANGLE, PALM_ANGLE, PENETRATION, TOUCH_AT_END, TOUCH_BEFORE_NEXT
 
 FloatArray = NDArray[np.float64]
 
-TOUCH_AT_END = 0.03  # palm to landmark when the move's time is over [m]
-TOUCH_BEFORE_NEXT = 0.015  # and just before the arm moves on [m]
-ANGLE = 10.0  # arm, elbow and other joints of a posture [deg]
-PALM_ANGLE = 15.0  # palm of a posture [deg]
 RHYTHM_FREQUENCY = 3.0  # of a joint that swings [% of what was asked]
 RHYTHM_AMPLITUDE = 20.0  # in any cycle [% of what was asked]
 RHYTHM_LAG = 20.0  # of a joint behind the first [deg]
@@ -47,7 +44,6 @@ DRIFT = 5.0  # of any joint that is to stay where it was [deg]
 TRACKING_RMS = 0.02  # palm to moving point, once it has caught up [m]
 TRACKING_AT_END = 0.02  # and when the time is over [m]
 RELAXED = 1.0  # speed of any joint of a relaxed limb, when its time is over [rad/s]
-PENETRATION = 0.005  # of any two geoms, at any step [m]
 HAND_OVER_STEP = 0.10  # change of a joint's torque in 2 ms, as a share of its limit
 UPRIGHT = 5.0  # joints that no sub-task moves [deg]
 

@@ -228,7 +228,11 @@ class Arbiter:
         names = self.task.graph.order
         return tuple(
             Span(
-                names[row["node"]], float(row["start"]), float(row["end"]), OUTCOMES[row["outcome"]]
+                names[row["node"]],
+                start := float(row["start"]),
+                float(row["end"]),
+                OUTCOMES[row["outcome"]],
+                start,
             )
             for row in rows[order]
         )

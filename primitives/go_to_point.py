@@ -94,7 +94,7 @@ class GoToPoint(Primitive):
     def bind(self, body: Body, duration: float) -> ReachField | PostureField:
         """See `Primitive.bind`."""
         arm = body.arm(self.limb)
-        goal = self._hand_goal(body, arm)
+        goal = self.hand_goal(body, arm)
         times = via_times([v.at for v in self.via])
         moving = self.travel * duration if np.isfinite(duration) else BACKGROUND_SETTLING
         profile = self.profile or PROFILES[self.controller]
@@ -118,7 +118,8 @@ class GoToPoint(Primitive):
                     miss=float(misses[-1]),
                 )  # fmt: skip
 
-    def _hand_goal(self, body: Body, arm: Arm) -> HandGoal:
+    def hand_goal(self, body: Body, arm: Arm) -> HandGoal:
+        """The places that the palm is to pass, and how it is to be turned in the end."""
         to = Place(near=self.to) if isinstance(self.to, str) else self.to
         normal, touched = None, -1
         if isinstance(self.to, str):

@@ -56,16 +56,16 @@ class ReachField(GoalField):
     ) -> None:
         super().__init__(body, arm.dofs, unit="m")
         self.places = goal.places  # via points and goal
-        self._arm, self._goal, self._controller = arm, goal, controller
-        self._reach = hand_springs(arm, body.palm_at_home(arm), goal, gains)
+        self.arm, self.hand_goal, self.controller = arm, goal, controller
+        self.springs = hand_springs(arm, body.palm_at_home(arm), goal, gains)
         self._profile, self._times, self._duration = profile, times, duration
 
     def too_far(self) -> float:
         """By how much the goal is out of reach in the home posture [m]; 0 if it is not."""
-        goal = self._goal.places[-1]
+        goal = self.hand_goal.places[-1]
         place = self._body.at_home(goal.link, goal.point)
-        shoulder = self._body.at_home(self._arm.upper_arm, np.zeros(3))
-        return max(0.0, float(np.linalg.norm(place - shoulder)) - self._body.reach(self._arm))
+        shoulder = self._body.at_home(self.arm.upper_arm, np.zeros(3))
+        return max(0.0, float(np.linalg.norm(place - shoulder)) - self._body.reach(self.arm))
 
     def weights(self, t: FloatArray) -> FloatArray:
         """Weights (k, 1 + places) of start, via points and goal in the set point, at t (k,) [s]."""
@@ -73,19 +73,19 @@ class ReachField(GoalField):
 
     def add_to(self, table: TableBuilder) -> int:
         """See `CompiledField.add_to`."""
-        points = np.zeros(len(self._goal.places), dtype=POINT)
-        for row, place in zip(points, self._goal.places, strict=True):
+        points = np.zeros(len(self.hand_goal.places), dtype=POINT)
+        for row, place in zip(points, self.hand_goal.places, strict=True):
             row["link"], row["point"] = place.link, place.point
-        reach = self._reach.copy()
+        reach = self.springs.copy()
         reach["points"] = table.records(points)
         return table.field(
-            IMPEDANCE if self._controller == "impedance" else ENDPOINT_FORCE,
+            IMPEDANCE if self.controller == "impedance" else ENDPOINT_FORCE,
             table.records(reach),
             self.claims,
             duration=self._duration,
             curve=table.curve(self._profile, self._times),
             knots=len(self._times),
-            touch=(self._arm.hand, self._goal.touched),
+            touch=(self.arm.hand, self.hand_goal.touched),
         )
 
 

@@ -3,17 +3,44 @@
 from sim.bodies import BODIES, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
-from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
+from sim.clearance import clearances, depth_inside
+from sim.errors import (
+    BeyondRange,
+    BodyError,
+    Diverged,
+    NoDisplay,
+    RecordingError,
+    SimError,
+    unknown,
+)
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
-from sim.motions import Motion, inverse_dynamics, site_paths, straight_motion
+from sim.lag import Haste, Lag
+from sim.motions import (
+    Motion,
+    inverse_dynamics,
+    minimum_jerk_profile,
+    site_paths,
+    straight_motion,
+)
 from sim.planar_arm import planar_arm
 from sim.posing import ArmWords, pose
 from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
+from sim.spring_way import (
+    HandPath,
+    Springs,
+    axes_of,
+    origin,
+    palm_jacobian,
+    places_of,
+    spring_way,
+    turned,
+)
 from sim.state import State
+from sim.way import Detour, Way, find_way, straight_way
 from sim.world import BareWorld, Push, World
 
 __all__ = [
@@ -23,16 +50,21 @@ __all__ = [
     "Arm",
     "ArmWords",
     "BareWorld",
+    "BeyondRange",
     "Body",
     "BodyError",
     "BodyMap",
     "Capsules",
     "Closest",
+    "Detour",
     "Diverged",
     "Frame",
     "Gaze",
+    "HandPath",
+    "Haste",
     "Head",
     "Inertias",
+    "Lag",
     "Limb",
     "Motion",
     "NoDisplay",
@@ -48,23 +80,36 @@ __all__ = [
     "Span",
     "Spot",
     "Spring",
+    "Springs",
     "State",
+    "Way",
     "World",
     "adonis",
+    "axes_of",
     "carrier",
+    "clearances",
+    "depth_inside",
     "find_gaze",
+    "find_way",
     "inertias",
     "inverse_dynamics",
     "joint_inertia",
     "load_body",
     "mass_matrix",
+    "minimum_jerk_profile",
     "moving_dofs",
+    "origin",
+    "palm_jacobian",
+    "places_of",
     "planar_arm",
     "pose",
     "reach",
     "render_filmstrip",
     "render_video",
     "site_paths",
+    "spring_way",
     "straight_motion",
+    "straight_way",
+    "turned",
     "unknown",
 ]

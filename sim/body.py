@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.body_map import BodyMap, Limb, Servo
-from sim.errors import BodyError, unknown
+from sim.errors import BeyondRange, BodyError, unknown
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 _ONE_DOF = (mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value)
 
+ROUNDING = 1e-5  # [rad] of the ranges of joints: the model's XML has six digits
 # Directions in the frame of the body: X forward, Y left, Z up.
 DIRECTIONS: dict[str, tuple[float, float, float]] = {
     "forward": (1.0, 0.0, 0.0),
@@ -192,10 +193,10 @@ class Body:
         for name, degrees in posture.items():
             q[self.joints(name)] = np.deg2rad(degrees)
         low, high = self.range
-        outside = np.flatnonzero((q < low - 1e-6) | (q > high + 1e-6))
+        outside = np.flatnonzero((q < low - ROUNDING) | (q > high + ROUNDING))
         if outside.size:
             j = int(outside[0])
-            raise BodyError(
+            raise BeyondRange(
                 f"{self.dof_name(j)} cannot be {np.rad2deg(q[j]):.0f} degrees"
                 f" (it moves from {np.rad2deg(low[j]):.0f} to {np.rad2deg(high[j]):.0f})"
             )
@@ -318,7 +319,7 @@ class Body:
             one, other = sorted((self.link(n) for n in names), key=lambda b: b not in own)
             if one not in own or other in limbs or (one == arm.hand and other == touched):
                 continue
-            mine, theirs = (self._colliding(link) for link in (one, other))
+            mine, theirs = (self.colliding(link) for link in (one, other))
             if mine and theirs:
                 found.append((mine, theirs))
         return found
@@ -355,7 +356,7 @@ class Body:
         model = self.model
         wanted = sorted({self.link(name) for name in links})
         ids, start, end = [], [], []
-        for g in (g for link in wanted for g in self._colliding(link)):
+        for g in (g for link in wanted for g in self.colliding(link)):
             kind = model.geom_type[g]
             if kind == mujoco.mjtGeom.mjGEOM_CAPSULE.value:
                 half = _matrix(model.geom_quat[g])[:, 2] * model.geom_size[g, 1]
@@ -394,13 +395,13 @@ class Body:
         mujoco.mj_kinematics(self.model, data)
         least = within
         for names in self.map.keep_apart:
-            one, other = (self._colliding(self.link(name)) for name in names)
+            one, other = (self.colliding(self.link(name)) for name in names)
             for a in one:
                 for b in other:
                     least = min(least, mujoco.mj_geomDistance(self.model, data, a, b, least, None))
         return float(least)
 
-    def _colliding(self, link: int) -> list[int]:
+    def colliding(self, link: int) -> list[int]:
         """The geoms of a link that can collide."""
         of_link = np.flatnonzero(self.model.geom_bodyid == link)
         return [int(g) for g in of_link if self.model.geom_contype[g]]

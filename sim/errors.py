@@ -2,6 +2,7 @@
 
 SimError
 ├── BodyError       a model or body map that does not fit, a name that does not exist
+│   └── BeyondRange an angle that a joint does not reach
 ├── Diverged        the simulation left the finite numbers
 ├── RecordingError  a recording that cannot be read or written
 └── NoDisplay       this machine has no OpenGL backend to render with
@@ -17,6 +18,10 @@ class SimError(Exception):
 
 class BodyError(SimError):
     """A body lacks what was asked of it; the message lists what it has."""
+
+
+class BeyondRange(BodyError):
+    """An angle beyond the end of a joint's range."""
 
 
 class Diverged(SimError):

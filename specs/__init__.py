@@ -5,21 +5,23 @@ from specs.binding import BoundTask, bind_task
 from specs.claims import claims_of
 from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
-from specs.doubting import doubts
 from specs.errors import Position, SpecError
 from specs.graph import TaskGraph, build_graph
 from specs.graph_writing import to_dot, to_graphml, to_json, to_mermaid
 from specs.groups import Group
+from specs.lint import KINDS, Finding, lint_task, refusal
 from specs.loading import library, load_task, task_from_text
 from specs.reading import Document
 from specs.task import Background, SubTask, TaskSpec, with_tempo
 from specs.writing import task_to_yaml
 
 __all__ = [
+    "KINDS",
     "Background",
     "BoundTask",
     "Condition",
     "Document",
+    "Finding",
     "Group",
     "Join",
     "Position",
@@ -32,11 +34,12 @@ __all__ = [
     "bind_task",
     "build_graph",
     "claims_of",
-    "doubts",
     "library",
+    "lint_task",
     "load_task",
     "load_variant",
     "primitives_in",
+    "refusal",
     "task_from_text",
     "task_to_yaml",
     "to_dot",

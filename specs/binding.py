@@ -18,7 +18,7 @@ from primitives import (
     PrimitiveError,
     Relax,
 )
-from sim import Body, BodyError
+from sim import BeyondRange, Body, BodyError
 from specs.blame import told
 from specs.conditions import BoundCondition, Condition, bind_condition
 from specs.errors import SpecError
@@ -147,7 +147,8 @@ def _bind(
         wrong = _no_field(field, body)
     except (BodyError, PrimitiveError) as problem:
         where, key = _named(document, path, str(problem))
-        raise document.error(f"{name}: {problem}", where, key=key) from None
+        code = "joint-limit" if isinstance(problem, BeyondRange) else "refused"
+        raise document.error(f"{name}: {problem}", where, key=key, code=code) from None
     except (Exception, SystemExit) as problem:  # whatever the user's own code raises
         said = f"{name}: bind of {type(primitive).__name__} raised {told(problem)}"
         raise document.error(said, path) from problem
@@ -297,6 +298,7 @@ def _check_claims(
                     f"{name!r} and {other!r} both claim {joint}, and {neither}: name one in the"
                     " other's 'after'",
                     places[name],
+                    code="claims",
                 )
             masks[dof] = masks.get(dof, 0) | 1 << b
 

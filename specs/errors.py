@@ -21,12 +21,18 @@ class SpecError(Exception):
         message: what is wrong.
         file: the file it stands in, if it came from one.
         position: line and column there.
+        code: of the kind of finding that it is (`specs.lint.KINDS`).
     """
 
     def __init__(
-        self, message: str, *, file: str | None = None, position: Position | None = None
+        self,
+        message: str,
+        *,
+        file: str | None = None,
+        position: Position | None = None,
+        code: str = "refused",
     ) -> None:
-        self.message = message
+        self.message, self.code = message, code
         self.file = file
         self.line = position.line if position else None
         self.column = position.column if position else None

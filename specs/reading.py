@@ -37,10 +37,12 @@ class Document:
                 return found
         return None
 
-    def error(self, message: str, path: Path_ = (), *, key: bool = False) -> SpecError:
+    def error(
+        self, message: str, path: Path_ = (), *, key: bool = False, code: str = "refused"
+    ) -> SpecError:
         """A `SpecError` that points at a value, or at its key."""
         place = self.keys.get(path) if key else None
-        return SpecError(message, file=self.file, position=place or self.where(path))
+        return SpecError(message, file=self.file, position=place or self.where(path), code=code)
 
 
 def read_file(path: Path) -> Document:

@@ -199,15 +199,33 @@ def test_check_shows_the_plan(tmp_path: Path) -> None:
     ended = adonis("check", "macarena", cwd=tmp_path)
     assert ended.returncode == 0
     assert "right-to-head" in ended.stdout
-    assert "Nothing wrong was found" in ended.stdout
+    assert "warning collision left-to-shoulder: in the end the right forearm" in ended.stdout
+    assert "error" not in ended.stdout
+    assert "Nothing wrong was found" in adonis("check", "sway", cwd=tmp_path).stdout
 
 
-def test_check_doubts_a_goal_that_is_out_of_reach(tmp_path: Path) -> None:
+def test_check_ends_with_1_for_an_error_and_says_what_to_do(tmp_path: Path) -> None:
     (tmp_path / "far.yaml").write_text(GOOD.replace("point: [0.4", "point: [2.0"))
     ended = adonis("check", "far.yaml", cwd=tmp_path)
     assert ended.returncode == 1
-    assert "up: the goal is" in ended.stdout
-    assert "farther from the shoulder" in ended.stdout
+    assert "error out-of-reach up: at best the palm of adonis stays" in ended.stdout
+    assert "the nearest place that it reaches is {point: [" in ended.stdout
+    assert "(far.yaml:8:" in ended.stdout
+
+
+def test_check_gives_tools_its_findings_as_json_and_what_it_refuses_too(tmp_path: Path) -> None:
+    (tmp_path / "far.yaml").write_text(GOOD.replace("point: [0.4", "point: [2.0"))
+    ended = adonis("check", "far.yaml", "--json", cwd=tmp_path)
+    assert ended.returncode == 1
+    (finding,) = json.loads(ended.stdout)["findings"]
+    assert (finding["code"], finding["file"], finding["line"]) == ("out-of-reach", "far.yaml", 8)
+    assert finding["numbers"]["short"] > 1.0
+    (tmp_path / "bad.yaml").write_text(GOOD.replace("limb: right_arm", "limb: tail"))
+    ended = adonis("check", "bad.yaml", "--json", cwd=tmp_path)
+    assert ended.returncode == 2
+    (finding,) = json.loads(ended.stdout)["findings"]
+    assert (finding["code"], finding["severity"], finding["line"]) == ("refused", "error", 7)
+    assert "there are: left_arm, right_arm" in finding["what"]
 
 
 def test_a_task_without_a_name_is_refused(tmp_path: Path) -> None:

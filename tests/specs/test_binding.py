@@ -1,4 +1,4 @@
-"""Binding: what does not fit is said at its place, and goals out of reach are doubted."""
+"""Binding: what does not fit is said at its place."""
 
 from typing import Literal
 
@@ -7,7 +7,7 @@ import pytest
 
 from primitives import Primitive
 from sim import Body
-from specs import SpecError, bind_task, doubts, load_task, task_from_text
+from specs import SpecError, bind_task, task_from_text
 
 
 class Own(Primitive):
@@ -154,47 +154,3 @@ def test_a_wrong_part_lists_what_an_arm_can_be_told(body: Body) -> None:
     assert "(there are: arm, elbow, left_elbow," in message
     assert "palm" in message
     assert "wrist_z)" in message
-
-
-# --- doubts --------------------------------------------------------------------------------
-
-
-def doubted(body: Body, *goals: str, more: str = "") -> list[str]:
-    steps = [
-        f"  - {{name: s{k}, primitive: go-to-point, limb: right_arm, to: {goal}}}\n"
-        for k, goal in enumerate(goals)
-    ]
-    spec, document = task_from_text("task: t\nsubtasks:\n" + more + "".join(steps), "t.yaml")
-    return doubts(bind_task(spec, body, document))
-
-
-def test_what_is_near_and_yet_out_of_reach_is_doubted(body: Body) -> None:
-    """On the arm itself, and behind the back where no joint lets it go."""
-    elbow, behind = doubted(body, "right_elbow.inside", "{point: [-0.3, 0.2, 0.4]}")
-    assert elbow == "s0: at best the palm of adonis stays 23.5 cm short of the goal"
-    assert behind == "s1: at best the palm of adonis stays 4.3 cm short of the goal"
-
-
-def test_what_is_farther_than_the_arm_is_long_is_doubted_but_never_by_0_cm(body: Body) -> None:
-    arm = body.arm("right_arm")
-    shoulder = body.at_home(arm.upper_arm, np.zeros(3)) - body.at_home(arm.root, np.zeros(3))
-    x, y, z = shoulder + np.array([body.reach(arm), 0.0, 0.0])
-    far = [f"{{point: [{x + more}, {y}, {z}]}}" for more in (-0.05, 0.001, 0.02, 1.0)]
-    assert doubted(body, *far) == [
-        f"s{k}: the goal is {cm} cm farther from the shoulder than the arm of adonis is long"
-        for k, cm in ((2, "2.0"), (3, "100.0"))
-    ]
-
-
-def test_the_macarena_raises_no_doubt(body: Body) -> None:
-    spec, document = load_task("macarena")
-    assert doubts(bind_task(spec, body, document)) == []
-
-
-def test_no_doubt_where_the_task_moves_the_goal(body: Body) -> None:
-    """Out of reach at home; with the other arm raised nobody can tell without simulating."""
-    far = "left_elbow.inside, offset: [-0.3, 0, 0.1]"
-    goal = f"{{near: {far}}}"
-    assert len(doubted(body, goal)) == 1
-    raised = "  - {name: r, primitive: get-posture, limb: left_arm, posture: {arm: forward}}\n"
-    assert doubted(body, goal, more=raised) == []

@@ -1,0 +1,67 @@
+"""What `adonis check` says: the plan of a task, and the findings about it."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from specs import BoundTask, Finding
+
+COLORS = {"error": "red", "warning": "yellow", "note": "cyan"}
+
+
+def print_plan(console: Console, bound: BoundTask) -> None:
+    """When each sub-task is planned, and what is beside them."""
+    spec, graph = bound.spec, bound.graph
+    table = Table(title=escape(spec.title or spec.task), title_justify="left")
+    for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
+                             ("moves", "left"), ("from", "right"), ("to", "right")):  # fmt: skip
+        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    depends = any(s.circumstances for s in spec.subtasks)
+    if depends:
+        table.add_column("if, while, until")
+    for number, name in enumerate(graph.order, start=1):
+        does, (start, end) = graph.subtasks[name].does, graph.planned[name]
+        moves = getattr(does, "limb", None) or ", ".join(getattr(does, "joints", None) or ())
+        more = (escape(graph.subtasks[name].circumstances),) if depends else ()
+        times = f"{start:.2f}", f"{end:.2f} s"
+        table.add_row(str(number), name, does.kind, moves.replace("_", " "), *times, *more)
+    console.print(table)
+    beside = ", ".join(f"{b.name} ({b.does.kind})" for b in spec.background) or "nothing"
+    console.print(f"Beside them: {beside}.", soft_wrap=True)
+    console.print(
+        f"{len(graph.order)} sub-tasks, {graph.duration:.2f} s at {spec.tempo:g} beats per"
+        f" minute on {bound.body.map.name}.",
+        soft_wrap=True,
+    )
+
+
+def print_findings(console: Console, findings: Sequence[Finding]) -> None:
+    """Two lines for each finding: what is wrong and where, and what to do."""
+    for finding in findings:
+        color = COLORS[finding.severity]
+        console.print(
+            f"[bold {color}]{finding.severity}[/] [dim]{finding.code}[/]"
+            f" [bold]{escape(finding.subtask or '')}[/]: {escape(finding.what)}",
+            soft_wrap=True,
+        )
+        place = f" [dim]({escape(finding.place)})[/]" if finding.place else ""
+        console.print(f"    {escape(finding.advice)}{place}", soft_wrap=True)
+    if not findings:
+        console.print("Nothing wrong was found.")
+        return
+    counts = [(sum(f.severity == severity for f in findings), severity) for severity in COLORS]
+    said = [f"{count} {what}{'s' if count > 1 else ''}" for count, what in counts if count]
+    console.print(f"{', '.join(said)}.")
+
+
+def findings_json(
+    findings: Sequence[Finding], task: str | None = None, body: str | None = None
+) -> str:
+    """The findings for tools."""
+    whole: dict[str, Any] = {"task": task, "body": body}
+    whole["findings"] = [finding.as_dict() for finding in findings]
+    return json.dumps(whole, indent=2, ensure_ascii=False)
