@@ -14,8 +14,8 @@ from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
 from sim.state import State
-from sim.way import Detour, Way, find_way, straight_way
-from sim.world import BareWorld, Push, World
+from sim.way import Detour, Way, find_way, straight_way, way_gone
+from sim.world import BareWorld, Moment, Push, World
 
 __all__ = [
     "BODIES",
@@ -36,6 +36,7 @@ __all__ = [
     "Head",
     "Inertias",
     "Limb",
+    "Moment",
     "Motion",
     "NoDisplay",
     "PalmGoal",
@@ -72,4 +73,5 @@ __all__ = [
     "straight_motion",
     "straight_way",
     "unknown",
+    "way_gone",
 ]

@@ -9,7 +9,7 @@ the best, draw again near those. Seeds are fixed, so that the same question gets
 Nothing here is proof for the physics: a hand lags behind its path, and springs give.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -60,13 +60,14 @@ class Detour:
     """Via points and a direction of the upper arm, and the way that they make."""
 
     via: tuple[FloatArray, ...]  # (3,) each, in the frame of the link that carries the arm [m]
+    shares: tuple[float, ...]  # of the length from point to point, at which they are passed
     upper_arm: FloatArray | None  # (3,) unit, in the body's frame; None leaves it free
     way: Way
 
 
 def straight(knots: FloatArray) -> FloatArray:
     """A path (POINTS, 3) straight from knot to knot (p, 3), at one speed."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))])
+    along = _lengths(knots)
     asked = np.linspace(0.0, along[-1], POINTS)
     return np.stack([np.interp(asked, along, axis) for axis in knots.T], axis=1)
 
@@ -76,24 +77,29 @@ def straight_way(body: Body, start: FloatArray, arm: Arm, goal: PalmGoal) -> Way
     return _Scene(body, start, arm, goal).way((), goal.upper_arm, straight)
 
 
+def way_gone(body: Body, arm: Arm, goal: PalmGoal, path: FloatArray, postures: FloatArray) -> Way:
+    """The way that a palm went (k, 3) in postures (k, nq) of the whole body."""
+    return _Scene(body, postures[0], arm, goal).seen(path, postures)
+
+
 def find_way(
     body: Body,
     start: FloatArray,
     arm: Arm,
     goal: PalmGoal,
     *,
-    most: int = 2,
+    counts: Sequence[int] = (0, 1, 2),
     curve: Curve = straight,
     seed: int = 0,
 ) -> Detour:
-    """The straight way if it is free, else the best way round that is found.
+    """The way with the fewest via points that is free, or the best that is found.
 
     Args:
         body: whose arm it is.
         start: posture (nq,) of the whole body in which the way begins.
         arm: the arm.
         goal: where the palm is to be; a direction of the upper arm that it gives is kept.
-        most: how many via points there may be; fewer are tried first.
+        counts: of via points that are tried, one after the other; 0 is the straight way.
         curve: the path through start, via points and goal.
         seed: of the search.
 
@@ -101,13 +107,18 @@ def find_way(
         The way; whether it is good enough is for `way.free` to say.
     """
     scene = _Scene(body, start, arm, goal)
-    best = Detour((), goal.upper_arm, scene.way((), goal.upper_arm, curve))
-    for count in range(1, most + 1):
-        if best.way.free:
-            break
-        found = _search(scene, count, curve, np.random.default_rng([seed, count]))
-        if found.way.free or found.way.cost < best.way.cost:
+    best: Detour | None = None
+    for count in counts:
+        if count == 0:
+            found = scene.detour((), goal.upper_arm, curve)
+        else:
+            found = _search(scene, count, curve, np.random.default_rng([seed, count]))
+        if best is None or found.way.free or found.way.cost < best.way.cost:
             best = found
+        if found.way.free:
+            break
+    if best is None:
+        raise ValueError("counts is empty: give at least one number of via points")
     carrier, axes = scene.frame(arm.root)
     return replace(best, via=tuple(axes.T @ (point - carrier) for point in best.via))
 
@@ -126,7 +137,7 @@ def _search(scene: "_Scene", count: int, curve: Curve, rng: np.random.Generator)
             via = tuple(row[: 3 * count].reshape(count, 3))
             along = row[3 * count :]
             upper = along / np.linalg.norm(along) if free else scene.goal.upper_arm
-            tried.append(Detour(via, upper, scene.way(via, upper, curve)))
+            tried.append(scene.detour(via, upper, curve))
         order = np.argsort([t.way.cost for t in tried], kind="stable")
         if best is None or tried[order[0]].way.cost < best.way.cost:
             best = tried[order[0]]
@@ -173,8 +184,19 @@ class _Scene:
     def way(self, via: tuple[FloatArray, ...], upper_arm: FloatArray | None, curve: Curve) -> Way:
         """The way through via points in the world."""
         path = curve(np.array([self.palm, *via, self.target]))
+        return self.seen(path, self._lead(self.start, path, self, upper_arm))
+
+    def detour(
+        self, via: tuple[FloatArray, ...], upper_arm: FloatArray | None, curve: Curve
+    ) -> Detour:
+        """The way through via points, and the points themselves, still in the world."""
+        along = _lengths(np.array([self.palm, *via, self.target]))
+        shares = tuple(along[1:-1] / max(along[-1], 1e-9))
+        return Detour(via, shares, upper_arm, self.way(via, upper_arm, curve))
+
+    def seen(self, path: FloatArray, postures: FloatArray) -> Way:
+        """What there is to say of postures (k, nq) whose palm was to be on a path (k, 3)."""
         shares = np.linspace(0.0, 1.0, len(path))
-        postures = self._lead(self.start, path, shares, self, upper_arm)
         least, asked, where, links = SIGHT, ROOM, 0.0, ("", "")
         crowding, stray = 0.0, 0.0
         for share, wanted, q in zip(shares, path, postures, strict=True):
@@ -186,7 +208,7 @@ class _Scene:
                 if (gone < NEAR and key in self._leaves) or (left < NEAR and group.touches):
                     continue
                 distance = self._closest(group)
-                crowding += max(0.0, 1.0 - distance / (1.5 * room)) ** 2
+                crowding += max(0.0, 1.0 - distance / (1.5 * room)) ** 2 * POINTS / len(path)
                 if distance - room < least - asked:
                     least, asked, where, links = distance, room, float(share), key
         self._set(self.start)
@@ -260,7 +282,6 @@ class _Lead:
         self,
         start: FloatArray,
         path: FloatArray,
-        shares: FloatArray,
         scene: _Scene,
         upper_arm: FloatArray | None,
     ) -> FloatArray:
@@ -270,7 +291,7 @@ class _Lead:
         tasks = [self._place, self._stay]
         tasks += [self._palm] if normal is not None else []
         tasks += [self._upper_arm] if upper_arm is not None else []
-        postures = [start]
+        postures, shares = [start], np.linspace(0.0, 1.0, len(path))
         for share, wanted in zip(shares[1:], path[1:], strict=True):
             self._place.set_target(self._mink.SE3.from_translation(wanted))
             self._stay.set_target(configuration.q)
@@ -292,6 +313,12 @@ class _Lead:
                     break
             postures.append(configuration.q.copy())
         return np.array(postures)
+
+
+def _lengths(knots: FloatArray) -> FloatArray:
+    """How far it is from the first of some points (p, 3) to each, along all of them (p,)."""
+    steps = np.linalg.norm(np.diff(knots, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
