@@ -2,12 +2,21 @@
 
 import os
 import sys
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperGroup
+
+from adonis.options import (
+    AfreshOption,
+    BodyOption,
+    Format,
+    PrimitivesOption,
+    Start,
+    TaskArgument,
+    TempoOption,
+)
 
 if TYPE_CHECKING:
     from specs import BoundTask, Document, TaskSpec
@@ -36,38 +45,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-TaskArgument = Annotated[
-    str, typer.Argument(metavar="TASK", help="A task of the library (see `adonis list`) or a file.")
-]
-BodyOption = Annotated[str, typer.Option("--body", metavar="NAME", help="Body that does it.")]
-TempoOption = Annotated[
-    float | None,
-    typer.Option("--tempo", metavar="BPM", help="Beats per minute instead of the task's own."),
-]
-PrimitivesOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--primitives",
-        metavar="FILE",
-        help="Python file (or module) whose primitives the task may use; may be repeated.",
-    ),
-]
-
-
-class Start(StrEnum):
-    """Where a run begins."""
-
-    home = "home"
-    random = "random"
-
-
-class Format(StrEnum):
-    """How a graph is printed."""
-
-    mermaid = "mermaid"
-    dot = "dot"
-    json = "json"
 
 
 @app.command()
@@ -99,6 +76,7 @@ def run(
             "--controller", metavar="NAME", help="Let this controller move every sub-task."
         ),
     ] = None,
+    afresh: AfreshOption = False,
 ) -> None:
     """Do a task, and say how well it went.
 
@@ -117,10 +95,12 @@ def run(
     )
     from adonis.dancing import Stopped, random_start
     from adonis.errors import OutputError
-    from adonis.performing import perform
+    from adonis.performing import perform, perform_rehearsal
     from adonis.showing import print_results
     from sim import SimError
 
+    if bound.spec.rehearse:
+        bound, _ = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
     spec = bound.spec
     folder = wished or Path("runs") / spec.task
     begin = random_start(bound.body, bound.start, 1, seed) if start is Start.random else None
@@ -139,6 +119,49 @@ def run(
         console.print(f"[red]stopped:[/red] {escape(str(stopped))}", soft_wrap=True)
         raise typer.Exit(INTERRUPTED if stopped.interrupted else FAILED)
     raise typer.Exit(0 if results.judgement.success else FAILED)
+
+
+@app.command()
+def rehearse(
+    task: TaskArgument,
+    out: Annotated[
+        str | None,
+        typer.Option(
+            "--out",
+            metavar="FILE",
+            help="The task with its ways.",
+            show_default="TASK-rehearsed.yaml",
+        ),
+    ] = None,
+    body: BodyOption = "adonis",
+    tempo: TempoOption = None,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the ways tried.")] = 0,
+    primitives: PrimitivesOption = None,
+    afresh: AfreshOption = False,
+) -> None:
+    """Find ways round the body for hands that are only told where to go, and write them down.
+
+    Ends with 0 if every way that was needed passes, 1 if not, 2 if the input makes no sense.
+    """
+    from rich.console import Console
+
+    from adonis.errors import OutputError
+    from adonis.performing import perform_rehearsal
+    from adonis.rehearsal.keeping import task_text
+    from adonis.reporting import prepare_file, write_text
+    from adonis.showing import print_rehearsal
+
+    console, wished = Console(), _path("--out", out)
+    bound = _bind(task, body, tempo, primitives)
+    file = wished or Path(f"{bound.spec.task}-rehearsed.yaml")
+    try:
+        prepare_file(file)
+        bound, found = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
+        write_text(file, task_text(bound.spec, found, _text(task)))
+    except OutputError as problem:
+        _refuse(problem)
+    print_rehearsal(console, found, file)
+    raise typer.Exit(0 if all(way.grade.passes for way in found.values()) else FAILED)
 
 
 @app.command()
@@ -385,6 +408,13 @@ def _load(
         return (spec if tempo is None else with_tempo(spec, tempo)), document
     except SpecError as problem:
         _refuse(problem)
+
+
+def _text(task: str) -> str:
+    """What a task file says, word for word."""
+    from specs import find_task
+
+    return find_task(task).read_text(encoding="utf-8")
 
 
 def _bind(

@@ -1,5 +1,6 @@
 """Floor 3: the task language, from YAML to a bound task graph."""
 
+from specs.amending import amended
 from specs.available import available_primitives, primitives_in
 from specs.binding import BoundTask, bind_task
 from specs.conditions import Condition, Join, Repeat
@@ -8,7 +9,7 @@ from specs.doubting import doubts
 from specs.errors import Position, SpecError
 from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
 from specs.groups import Group
-from specs.loading import library, load_task, task_from_text
+from specs.loading import find_task, library, load_task, task_from_text
 from specs.reading import Document
 from specs.task import Background, SubTask, TaskSpec, with_tempo
 from specs.writing import task_to_yaml
@@ -26,10 +27,12 @@ __all__ = [
     "SubTask",
     "TaskGraph",
     "TaskSpec",
+    "amended",
     "available_primitives",
     "bind_task",
     "build_graph",
     "doubts",
+    "find_task",
     "library",
     "load_task",
     "load_variant",

@@ -15,11 +15,11 @@ from sim import Body, Detour
 
 FloatArray = NDArray[np.float64]
 
-PLACE, TIME, TURN, TRAVEL = 0.06, 0.08, 0.35, 0.06  # first spreads [m], [1], [1], [1]
+PLACE, TIME, TURN, TRAVEL = 0.12, 0.08, 0.60, 0.06  # first spreads [m], [1], [1], [1]
 EARLIEST, LATEST, BETWEEN = 0.12, 0.92, 0.10  # times of via points, as shares
 FEWEST, MOST = 0.65, 0.95  # of the travel
 SLOWLY = 0.3  # of the old spread is kept when it narrows
-NARROWEST = 0.15  # of the first spread
+NARROWEST = 0.08  # of the first spread
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,9 @@ from sim import Body, Recording, Replay, way_gone
 from specs import BoundTask
 
 AMPLE = 0.75  # share of what is allowed that a way may use up, to be called comfortable
-LOOKS = 40  # at the geometry of a movement
+LOOKS = 20  # at the geometry of a movement
 BEYOND, NEARLY = 20.0, 4.0  # costs of a measure beyond its limit, and of one that is near to it
+HOPELESS = 150.0  # cost from which on it does not matter how a movement looks
 FAST = 0.15  # cost of the hand's peak speed [s/m]
 BENT = 2.0  # cost of a joint near the end of its range
 EASY = 0.85  # share of a joint's range, from its middle, that is not near the end
@@ -59,6 +60,8 @@ def grade(recording: Recording | None, task: BoundTask, subtask: str) -> Grade:
         np.sum(NEARLY * np.maximum(0.0, shares - AMPLE))
         + np.sum(np.where(shares > 1.0, BEYOND * shares, 0.0))
     )
+    if cost > HOPELESS:
+        return Grade(passes=False, comfortable=False, cost=cost + HOPELESS)
     arm, goal = body.arm(does.limb), does.palm_goal(body)
     moving = slice(recording.row(own.span.start), recording.row(own.span.end) + 1)
     palm = replay.site(arm.limb.palm).position[moving]

@@ -19,9 +19,10 @@ from primitives import GoToPoint
 from sim import Body, find_way
 from specs import SubTask, TaskSpec, bind_task
 
-FIRST, AGAIN, KEPT = 24, 36, 7  # ways drawn of each family at first, later; the best of them
-ROUNDS, FEWEST = 5, 2  # of drawing, at most and at least
-VIAS = (1, 2)  # via points of the ways that are tried
+VIAS = (1, 2, 3)  # via points of the ways that are tried
+FIRST, AGAIN, KEPT = 36, 60, 10  # ways drawn of each family at first, later; the best of them
+ROUNDS, FEWEST = 9, 1  # of drawing from a family again, at most and at least
+LITTLE = 0.1  # a share of the cost by which it should get better in two rounds, once it passes
 AFTERWARDS = 0.25  # [s] for which a goal is watched when its time is over
 
 Progress = Callable[[float, str], None]
@@ -124,14 +125,23 @@ class _Rehearsal:
         return Rehearsed(self._best, self._grade, self._tried)
 
     def _search(self) -> None:
-        """Try ways near the detours that kinematics proposes, then near the best of them."""
+        """Try ways near the detours that kinematics proposes; go on with the most promising."""
         body, arm = self._body, self._body.arm(self._does.limb)
         goal, start = self._does.palm_goal(body), self._scene.qpos
         detours = [find_way(body, start, arm, goal, counts=(count,)) for count in VIAS]
         tried = [self._round(family(detour, self._does), FIRST) for detour in detours]
-        one, rows, costs = min(tried, key=lambda t: float(t[2].min()))
-        for again in range(1, ROUNDS):
-            if self._grade.comfortable and again >= FEWEST:
+        for one, rows, costs in sorted(tried, key=lambda t: float(t[2].min())):
+            self._narrow(one, rows, costs)
+            if self._grade.passes:
+                break
+
+    def _narrow(self, one: Family, rows: FloatArray, costs: FloatArray) -> None:
+        """Draw near the best of a family, again and again: the cross-entropy method."""
+        history = [np.inf, np.inf]
+        for _ in range(ROUNDS):
+            history.append(self._grade.cost)
+            settled = self._grade.passes and history[-1] > (1.0 - LITTLE) * history[-3]
+            if self._grade.comfortable and len(history) > FEWEST + 2 or settled:
                 break
             best = np.argsort(costs, kind="stable")[:KEPT]
             one, fresh, more = self._round(one.near(rows[best]), AGAIN)
