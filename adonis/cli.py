@@ -3,37 +3,27 @@
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
-from typer.core import TyperGroup
 
 from adonis.options import (
+    INTERRUPTED,
     AfreshOption,
     BodyOption,
+    Commands,
     Format,
     PrimitivesOption,
     Start,
     TaskArgument,
     TempoOption,
+    WaysOption,
 )
 
 if TYPE_CHECKING:
     from specs import BoundTask, Document, TaskSpec
 
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
-
-
-class Commands(TyperGroup):
-    """The commands; Ctrl-C ends any of them with one word and the code that shells use."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command that was asked for."""
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
-            typer.echo("adonis: interrupted", err=True)
-            sys.exit(INTERRUPTED)
+FAILED, BAD_INPUT = 1, 2
 
 
 app = typer.Typer(
@@ -124,15 +114,7 @@ def run(
 @app.command()
 def rehearse(
     task: TaskArgument,
-    out: Annotated[
-        str | None,
-        typer.Option(
-            "--out",
-            metavar="FILE",
-            help="The task with its ways.",
-            show_default="TASK-rehearsed.yaml",
-        ),
-    ] = None,
+    out: WaysOption = None,
     body: BodyOption = "adonis",
     tempo: TempoOption = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the ways tried.")] = 0,
@@ -150,6 +132,7 @@ def rehearse(
     from adonis.rehearsal.keeping import task_text
     from adonis.reporting import prepare_file, write_text
     from adonis.showing import print_rehearsal
+    from specs import find_task
 
     console, wished = Console(), _path("--out", out)
     bound = _bind(task, body, tempo, primitives)
@@ -157,7 +140,7 @@ def rehearse(
     try:
         prepare_file(file)
         bound, found = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
-        write_text(file, task_text(bound.spec, found, _text(task)))
+        write_text(file, task_text(bound.spec, found, find_task(task).read_text()))
     except OutputError as problem:
         _refuse(problem)
     print_rehearsal(console, found, file)
@@ -408,13 +391,6 @@ def _load(
         return (spec if tempo is None else with_tempo(spec, tempo)), document
     except SpecError as problem:
         _refuse(problem)
-
-
-def _text(task: str) -> str:
-    """What a task file says, word for word."""
-    from specs import find_task
-
-    return find_task(task).read_text(encoding="utf-8")
 
 
 def _bind(

@@ -1,9 +1,13 @@
-"""What several commands of the command line ask for."""
+"""What the commands of the command line share: what they ask for, and how Ctrl-C ends them."""
 
+import sys
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
+
+INTERRUPTED = 130  # the exit code that shells use
 
 TaskArgument = Annotated[
     str, typer.Argument(metavar="TASK", help="A task of the library (see `adonis list`) or a file.")
@@ -19,6 +23,12 @@ PrimitivesOption = Annotated[
         "--primitives",
         metavar="FILE",
         help="Python file (or module) whose primitives the task may use; may be repeated.",
+    ),
+]
+WaysOption = Annotated[
+    str | None,
+    typer.Option(
+        "--out", metavar="FILE", help="The task with its ways.", show_default="TASK-rehearsed.yaml"
     ),
 ]
 AfreshOption = Annotated[
@@ -39,3 +49,15 @@ class Format(StrEnum):
     mermaid = "mermaid"
     dot = "dot"
     json = "json"
+
+
+class Commands(TyperGroup):
+    """The commands; Ctrl-C ends any of them with one word and the code that shells use."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was asked for."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            typer.echo("adonis: interrupted", err=True)
+            sys.exit(INTERRUPTED)

@@ -141,7 +141,7 @@ class _Rehearsal:
         for _ in range(ROUNDS):
             history.append(self._grade.cost)
             settled = self._grade.passes and history[-1] > (1.0 - LITTLE) * history[-3]
-            if self._grade.comfortable and len(history) > FEWEST + 2 or settled:
+            if settled or (self._grade.comfortable and len(history) > FEWEST + 2):
                 break
             best = np.argsort(costs, kind="stable")[:KEPT]
             one, fresh, more = self._round(one.near(rows[best]), AGAIN)
