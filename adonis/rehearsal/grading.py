@@ -1,6 +1,6 @@
 """What a rehearsal thinks of a way: does it pass the judge, and would a person move so?"""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from specs import BoundTask
 AMPLE = 0.75  # share of what is allowed that a way may use up, to be called comfortable
 LOOKS = 20  # at the geometry of a movement
 BEYOND, NEARLY = 20.0, 4.0  # costs of a measure beyond its limit, and of one that is near to it
+FAR = 0.08  # of the palm from its goal: such a way is not looked at any further [m]
 HOPELESS = 150.0  # cost from which on it does not matter how a movement looks
 FAST = 0.15  # cost of the hand's peak speed [s/m]
 BENT = 2.0  # cost of a joint near the end of its range
@@ -46,12 +47,14 @@ def grade(recording: Recording | None, task: BoundTask, subtask: str) -> Grade:
     """
     if recording is None:
         return FAILED
-    replay, body = Replay(recording), task.body
+    body, miss = task.body, _miss(recording, task, subtask)
+    if not miss < FAR:
+        return Grade(passes=False, comfortable=False, cost=2.0 * HOPELESS + miss / FAR)
+    replay = Replay(recording)
     judgement = judge(recording, task.spec, replay)
     own = next(v for v in judgement.verdicts if v.subtask.name == subtask)
     does = own.subtask.does
-    if not np.isfinite(own.span.end) or not isinstance(does, GoToPoint):
-        return FAILED
+    assert isinstance(does, GoToPoint)  # else it would have missed
     held = _held(task, recording)
     others = [m for v in judgement.verdicts if v.subtask.name in held for m in v.measures]
     measures = [*own.measures, *judgement.checks, *others]
@@ -73,6 +76,19 @@ def grade(recording: Recording | None, task: BoundTask, subtask: str) -> Grade:
     passes = own.success and all(c.success for c in judgement.checks)
     comfortable = passes and bool((shares <= AMPLE).all()) and way.clearance > 0.0
     return Grade(passes, comfortable, cost)
+
+
+def _miss(recording: Recording, task: BoundTask, subtask: str) -> float:
+    """By how much the palm misses its goal in the end [m]; nothing else is looked at."""
+    does = task.graph.subtasks[subtask].does
+    span = next(s for s in recording.spans if s.name == subtask)
+    if not isinstance(does, GoToPoint) or not np.isfinite(span.end):
+        return np.inf
+    end = recording.row(span.end)
+    rows = {name: getattr(recording, name)[end : end + 1] for name in ("time", "qpos", "qvel")}
+    last = Replay(replace(recording, **rows))
+    palm = last.site(task.body.arm(does.limb).limb.palm).position
+    return float(np.linalg.norm(palm - last.point(does.palm_goal(task.body).place)))
 
 
 def _held(task: BoundTask, recording: Recording) -> set[str]:

@@ -19,7 +19,7 @@ from sim import Body
 from specs import bind_task, task_from_text
 
 TEXT = """\
-# A hand that would go through the chest.
+# A hand that would go through the head.
 task: brow
 rehearse: true   # English tasks do
 background:
@@ -28,10 +28,10 @@ background:
   - {name: guard, primitive: avoid-collisions}
   - {name: weight, primitive: compensate-gravity}
 subtasks:
-  - name: ribs     # barred by the chest
+  - name: nape     # barred by the face
     primitive: go-to-point
     limb: right_arm
-    to: left_ribs
+    to: head.back_right
   - name: out      # nothing is in the way
     primitive: go-to-point
     limb: left_arm
@@ -73,8 +73,8 @@ def test_the_ways_found_pass_where_the_straight_way_does_not(
     ways = with_ways(spec, {name: way.does for name, way in found.items()})
     (recording,) = run_task(bind_task(ways, body))
     assert judge(recording, ways).success
-    assert found["ribs"].grade.passes
-    assert found["ribs"].does.via
+    assert found["nape"].grade.passes
+    assert found["nape"].does.via
 
 
 def test_a_straight_way_that_passes_is_kept(found: dict[str, rehearsing.Rehearsed]) -> None:
@@ -87,7 +87,7 @@ def test_the_same_task_gets_the_same_ways_and_goes_on_from_those_known(
     body: Body, found: dict[str, rehearsing.Rehearsed]
 ) -> None:
     spec, _ = task_from_text(TEXT)
-    again = rehearse(spec, body, known={"ribs": found["ribs"]})
+    again = rehearse(spec, body, known={"nape": found["nape"]})
     assert again == found
 
 
@@ -108,7 +108,7 @@ def test_what_follows_a_scene_is_what_would_have_followed(body: Body) -> None:
 
 
 @pytest.mark.parametrize(
-    "more", ["safety: filter\n", "groups: [{name: g, rule: sum, members: [ribs]}]\n"]
+    "more", ["safety: filter\n", "groups: [{name: g, rule: sum, members: [nape]}]\n"]
 )
 def test_a_task_that_cannot_be_entered_midway_is_played_from_its_beginning(
     body: Body, more: str
@@ -126,7 +126,7 @@ def test_a_task_that_cannot_be_entered_midway_is_played_from_its_beginning(
 
 def test_only_hands_without_a_way_are_rehearsed() -> None:
     spec, _ = task_from_text(
-        TEXT.replace("to: left_ribs", "to: left_ribs\n    via: [{near: head.top}]")
+        TEXT.replace("to: head.back_right", "to: head.back_right\n    via: [{near: head.top}]")
     )
     assert [lacks_way(s) for s in spec.subtasks] == [False, True]
 
@@ -153,7 +153,7 @@ def test_what_is_known_is_not_looked_for_again(
 def test_a_damaged_cache_is_none(cache: Path) -> None:
     spec, _ = task_from_text(TEXT)
     file = cache / "bad.json"
-    for text in ("", "[]", "{}", '{"ribs": 3}', '{"ribs": {"does": {}, "grade": {}, "tried": 1}}'):
+    for text in ("", "[]", "{}", '{"nape": 3}', '{"nape": {"does": {}, "grade": {}, "tried": 1}}'):
         file.write_text(text)
         assert keeping._read(file, spec) == {}
 
@@ -162,8 +162,8 @@ def test_ways_are_written_beside_the_comments(found: dict[str, rehearsing.Rehear
     spec, _ = task_from_text(TEXT)
     ways = with_ways(spec, {name: way.does for name, way in found.items()})
     text = task_text(ways, found, TEXT)
-    assert "# A hand that would go through the chest." in text
-    assert "# barred by the chest" in text
+    assert "# A hand that would go through the head." in text
+    assert "# barred by the face" in text
     back, _ = task_from_text(text)
     assert back == ways.model_copy(update={"rehearse": False})
     assert isinstance(back.subtasks[0].does, GoToPoint)
@@ -178,5 +178,5 @@ def test_the_command_writes_the_task(
     file.write_text(TEXT)
     ended = CliRunner().invoke(app, ["rehearse", str(file), "--out", str(out)])
     assert ended.exit_code == 0, ended.output
-    assert "ribs: by way of" in ended.output
-    assert task_from_text(out.read_text())[0].subtasks[0].does == found["ribs"].does
+    assert "nape: by way of" in ended.output
+    assert task_from_text(out.read_text())[0].subtasks[0].does == found["nape"].does
