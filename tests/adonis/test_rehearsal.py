@@ -39,29 +39,22 @@ subtasks:
 """
 
 
-@pytest.fixture(scope="module")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("cache")
-
-
-@pytest.fixture(autouse=True)
-def own_cache(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("platformdirs.user_cache_path", lambda name: cache / name)
-
-
 @pytest.fixture(scope="module", autouse=True)
-def few() -> Iterator[None]:
-    """Fewer ways than usual are enough for an easy task."""
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A cache of our own; and fewer ways than usual, which are enough for an easy task."""
+    folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("platformdirs.user_cache_path", lambda name: folder / name)
         patch.setattr(rehearsing, "FIRST", 16)
         patch.setattr(rehearsing, "AGAIN", 16)
         patch.setattr(rehearsing, "KEPT", 5)
-        yield
+        yield folder
 
 
 @pytest.fixture(scope="module")
 def found(body: Body) -> dict[str, rehearsing.Rehearsed]:
-    return rehearse(task_from_text(TEXT)[0], body)
+    _, ways = rehearsed(task_from_text(TEXT)[0], body)
+    return ways
 
 
 def test_the_ways_found_pass_where_the_straight_way_does_not(
