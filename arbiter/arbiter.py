@@ -3,7 +3,7 @@
 tau(t) = sum_i a_i(t) phi_i(q, q', t)
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -155,6 +155,11 @@ class Arbiter:
             if own.shape[1:] != kept.shape or not self.forkable:
                 raise ArbiterError("this arbiter cannot go on from there: see Arbiter.go_on_from")
             own[:] = kept
+
+    def hold_back(self, names: Iterable[str]) -> None:
+        """Let sub-tasks that have not begun never begin, nor what comes after them."""
+        for name in names:
+            self._log["waits"][:, self.task.graph.order.index(name)] += 1
 
     def torque(self, state: State) -> FloatArray:
         """The torques (n, nv) [N m] that the task asks for now, within the motors' limits.

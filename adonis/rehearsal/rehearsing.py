@@ -14,16 +14,16 @@ import numpy as np
 
 from adonis.rehearsal.candidates import Family, FloatArray, family
 from adonis.rehearsal.grading import FAILED, Grade, grade
-from adonis.rehearsal.stage import Scene, Walk, play
+from adonis.rehearsal.stage import EARLY, Scene, Walk, play
 from primitives import GoToPoint
 from sim import Body, find_way
-from specs import SubTask, TaskSpec, bind_task
+from specs import BoundTask, SubTask, TaskSpec, bind_task
 
 VIAS = (1, 2, 3)  # via points of the ways that are tried
 FIRST, AGAIN, KEPT = 36, 60, 10  # ways drawn of each family at first, later; the best of them
 ROUNDS, FEWEST = 9, 1  # of drawing from a family again, at most and at least
 LITTLE = 0.1  # a share of the cost by which it should get better in two rounds, once it passes
-AFTERWARDS = 0.25  # [s] for which a goal is watched when its time is over
+AFTERWARDS = 0.25  # [s] for which a goal is watched when its time is over, at most
 
 Progress = Callable[[float, str], None]
 
@@ -114,7 +114,7 @@ class _Rehearsal:
         assert isinstance(subtask.does, GoToPoint)
         self._does = subtask.does
         own = spec.duration(subtask) * subtask.times
-        self._seconds = max(own, subtask.timeout or 0.0) + AFTERWARDS
+        self._seconds = max(own, subtask.timeout or 0.0) + _rest(bind_task(spec, body), subtask)
         self._best, self._grade, self._tried = self._does, FAILED, 0
 
     def run(self) -> Rehearsed:
@@ -165,3 +165,15 @@ class _Rehearsal:
             if self._tried == 1 or mark.cost < self._grade.cost:
                 self._best, self._grade = way, mark
         return np.array(costs)
+
+
+def _rest(task: BoundTask, subtask: SubTask) -> float:
+    """How long a goal is held, as it is planned, before its hand moves on; or is watched [s]."""
+    claims = dict(zip(task.graph.order, (set(f.claims.tolist()) for f in task.fields), strict=True))
+    _, end = task.graph.planned[subtask.name]
+    starts = [
+        start - end
+        for name, (start, _) in task.graph.planned.items()
+        if name != subtask.name and claims[name] & claims[subtask.name] and start >= end - EARLY
+    ]
+    return float(np.clip(min(starts, default=AFTERWARDS), task.body.timestep, AFTERWARDS))

@@ -17,6 +17,7 @@ from sim import Moment, Recorder, Recording, World
 from specs import BoundTask
 
 FloatArray = NDArray[np.float64]
+EARLY = 1e-9  # [s] for rounding
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,8 @@ def play(
 ) -> list[Recording | None]:
     """Let variants of a task go on from a scene, each in a simulation of its own.
 
+    What is planned to begin when the scene's sub-task is over is held back.
+
     Args:
         variants: the task with other parameters.
         scene: where they go on from.
@@ -89,6 +92,10 @@ def play(
     if scene.place is not None:
         for arbiter in arbiters:
             arbiter.go_on_from(scene.place)
+    planned = variants[0].graph.planned
+    later = [name for name, when in planned.items() if when[0] >= planned[scene.subtask][1] - EARLY]
+    for arbiter in arbiters:
+        arbiter.hold_back(later)
     states = [world.state.of_one(i) for i in range(n)]
     recorder = Recorder(body, n, about=about(variants[0], 0))
     nobody = np.zeros((n, 0), dtype=np.int32)

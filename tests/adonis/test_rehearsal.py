@@ -100,6 +100,15 @@ def test_what_follows_a_scene_is_what_would_have_followed(body: Body) -> None:
         np.testing.assert_array_equal(part.torque, whole.torque[rows])
 
 
+def test_what_comes_later_is_held_back(body: Body) -> None:
+    task = bind_task(task_from_text(TEXT)[0], body)
+    scene = Walk(task).next({"nape"})
+    assert scene is not None
+    (part,) = play([task], scene, 1.2)
+    assert part is not None
+    assert [s.outcome for s in part.spans] == ["done", "pending"]
+
+
 @pytest.mark.parametrize(
     "more", ["safety: filter\n", "groups: [{name: g, rule: sum, members: [nape]}]\n"]
 )
