@@ -165,9 +165,11 @@ class _Scene:
         self.target = place + axes @ goal.place.point
         self.palm = self._palm()
         hand = self.frame(arm.hand)[1]
-        self.normal, self.outward = hand @ arm.palm.normal, np.zeros(3)
-        if goal.normal is not None:
-            self.outward = -goal.normal
+        self.normal = hand @ arm.palm.normal
+        self.facing: FloatArray | None = None
+        if goal.normal is not None:  # it turns with what is touched, which may be the other arm
+            carrier = goal.place.link if goal.touched >= 0 else arm.root
+            self.facing = self.frame(carrier)[1] @ body.to_link(carrier, goal.normal)
         along = self.frame(arm.forearm)[0] - self.frame(arm.upper_arm)[0]
         self.upper_arm = along / np.linalg.norm(along)
         pairs = _pairs(body, arm)
@@ -186,7 +188,8 @@ class _Scene:
     def first_guess(self, count: int) -> FloatArray:
         """Via points (count, 3) in the world: from the start and over to the goal, in front."""
         forward = self.frame(self.arm.root)[1][:, 0]
-        before = self.target + 0.12 * self.outward + 0.04 * forward
+        outward = np.zeros(3) if self.facing is None else -self.facing
+        before = self.target + 0.12 * outward + 0.04 * forward
         shares = np.linspace(0.0, 1.0, count + 1)[:-1, None] + 0.5 / count
         front = (1.0 - shares) * self.palm + shares * before + 0.15 * forward
         return front if count == 1 else np.concatenate([front[:-1], [before]])
@@ -291,7 +294,7 @@ class _Lead:
             paths: of the palms, in the world.
             upper_arms: directions of the upper arms in the end (n, 3); None leaves them free.
         """
-        scene, normal = self._scene, self._scene.goal.normal
+        scene, normal = self._scene, self._scene.facing
         n, points = paths.shape[:2]
         q = np.tile(scene.start, (n, 1))
         postures = [q]
