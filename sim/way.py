@@ -32,9 +32,10 @@ NEAR = 0.06  # from start and goal: there the hand may touch what it leaves, and
 SIGHT = 0.08  # distances beyond this are not measured [m]
 POINTS = 20  # of a path that are looked at
 STEPS = 5  # of inverse kinematics, from each to the next
-PLACE, DIRECTION, STIFF = 60.0, 1.0, 0.1  # costs of missing these, of moving [1/m, 1, 1/rad]
-ROUNDS, DRAWN, KEPT = 5, 48, 8  # of the search for via points
-SPREAD = 0.18  # of the via points that are drawn first [m]
+PLACE, DIRECTION, STIFF = 60.0, 0.3, 0.1  # costs of missing these, of moving [1/m, 1, 1/rad]
+BEND = 0.1  # a joint at the end of its range begins so far from it: a straight arm is stuck [rad]
+ROUNDS, DRAWN, KEPT = 6, 48, 6  # of the search for via points
+SPREAD = 0.12  # of the via points that are drawn first [m]
 TURN = 0.5  # of the upper arm's direction, likewise [1]
 
 
@@ -296,8 +297,9 @@ class _Lead:
         """
         scene, normal = self._scene, self._scene.facing
         n, points = paths.shape[:2]
-        q = np.tile(scene.start, (n, 1))
-        postures = [q]
+        start = np.tile(scene.start, (n, 1))
+        postures, q, (low, high) = [start], start.copy(), self._range
+        q[:, self._places] = np.clip(start[:, self._places], low + BEND, high - BEND)
         for k in range(1, points):
             share, turns = k / (points - 1), []
             if normal is not None:

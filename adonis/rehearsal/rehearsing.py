@@ -22,7 +22,7 @@ from specs import BoundTask, SubTask, TaskSpec, bind_task
 VIAS = (1, 2, 3)  # via points of the ways that are tried
 FIRST, AGAIN, KEPT = 36, 60, 10  # ways drawn of each family at first, later; the best of them
 ROUNDS, FEWEST = 9, 1  # of drawing from a family again, at most and at least
-LITTLE = 0.1  # a share of the cost by which it should get better in two rounds, once it passes
+LITTLE, PATIENCE = 0.1, 3  # once it passes: share of the cost that so many rounds should save
 AFTERWARDS = 0.25  # [s] for which a goal is watched when its time is over, at most
 
 Progress = Callable[[float, str], None]
@@ -137,11 +137,11 @@ class _Rehearsal:
 
     def _narrow(self, one: Family, rows: FloatArray, costs: FloatArray) -> None:
         """Draw near the best of a family, again and again: the cross-entropy method."""
-        history = [np.inf, np.inf]
+        history = [np.inf] * PATIENCE
         for _ in range(ROUNDS):
             history.append(self._grade.cost)
-            settled = self._grade.passes and history[-1] > (1.0 - LITTLE) * history[-3]
-            if settled or (self._grade.comfortable and len(history) > FEWEST + 2):
+            settled = self._grade.passes and history[-1] > (1.0 - LITTLE) * history[-1 - PATIENCE]
+            if settled or (self._grade.comfortable and len(history) > FEWEST + PATIENCE):
                 break
             best = np.argsort(costs, kind="stable")[:KEPT]
             one, fresh, more = self._round(one.near(rows[best]), AGAIN)
