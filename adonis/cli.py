@@ -2,31 +2,29 @@
 
 import os
 import sys
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
-from typer.core import TyperGroup
 
+from adonis.options import (
+    INTERRUPTED,
+    AfreshOption,
+    BodyOption,
+    Commands,
+    Format,
+    PrimitivesOption,
+    Start,
+    TaskArgument,
+    TempoOption,
+    WaysOption,
+)
 from adonis.teaching import ExplainOption, print_explanation, translate, words
 
 if TYPE_CHECKING:
     from specs import BoundTask, Document, TaskSpec
 
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
-
-
-class Commands(TyperGroup):
-    """The commands; Ctrl-C ends any of them with one word and the code that shells use."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command that was asked for."""
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
-            typer.echo("adonis: interrupted", err=True)
-            sys.exit(INTERRUPTED)
+FAILED, BAD_INPUT = 1, 2
 
 
 app = typer.Typer(
@@ -38,40 +36,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-TaskArgument = Annotated[
-    str, typer.Argument(metavar="TASK", help="A task of the library (see `adonis list`) or a file.")
-]
-BodyOption = Annotated[str, typer.Option("--body", metavar="NAME", help="Body that does it.")]
-TempoOption = Annotated[
-    float | None,
-    typer.Option("--tempo", metavar="BPM", help="Beats per minute instead of the task's own."),
-]
-PrimitivesOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--primitives",
-        metavar="FILE",
-        help="Python file (or module) whose primitives the task may use; may be repeated.",
-    ),
-]
-
-
-class Start(StrEnum):
-    """Where a run begins."""
-
-    home = "home"
-    random = "random"
-
-
-class Format(StrEnum):
-    """How a graph is printed."""
-
-    mermaid = "mermaid"
-    dot = "dot"
-    graphml = "graphml"
-    json = "json"
-    timeline = "timeline"
 
 
 @app.command()
@@ -107,6 +71,7 @@ def run(
         list[str] | None,
         typer.Option("--send", metavar="EVENT@SECONDS", help="Send an event; may be repeated."),
     ] = None,
+    afresh: AfreshOption = False,
 ) -> None:
     """Do a task, and say how well it went.
 
@@ -125,10 +90,12 @@ def run(
     )
     from adonis.dancing import Stopped, random_start
     from adonis.errors import InputError, OutputError
-    from adonis.performing import events_of, perform
+    from adonis.performing import events_of, perform, perform_rehearsal
     from adonis.showing import print_results
     from sim import SimError
 
+    if bound.spec.rehearse:
+        bound, _ = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
     spec = bound.spec
     folder = wished or Path("runs") / spec.task
     begin = random_start(bound.body, bound.start, 1, seed) if start is Start.random else None
@@ -150,6 +117,42 @@ def run(
         console.print(f"[red]stopped:[/red] {escape(str(stopped))}", soft_wrap=True)
         raise typer.Exit(INTERRUPTED if stopped.interrupted else FAILED)
     raise typer.Exit(0 if results.judgement.success else FAILED)
+
+
+@app.command()
+def rehearse(
+    task: TaskArgument,
+    out: WaysOption = None,
+    body: BodyOption = "adonis",
+    tempo: TempoOption = None,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the ways tried.")] = 0,
+    primitives: PrimitivesOption = None,
+    afresh: AfreshOption = False,
+) -> None:
+    """Find ways round the body for hands that are only told where to go, and write them down.
+
+    Ends with 0 if every way that was needed passes, 1 if not, 2 if the input makes no sense.
+    """
+    from rich.console import Console
+
+    from adonis.errors import OutputError
+    from adonis.performing import perform_rehearsal
+    from adonis.rehearsal.keeping import task_text
+    from adonis.reporting import prepare_file, write_text
+    from adonis.showing import print_rehearsal
+    from specs import find_task
+
+    console, wished = Console(), _path("--out", out)
+    bound = _bind(task, body, tempo, primitives)
+    file = wished or Path(f"{bound.spec.task}-rehearsed.yaml")
+    try:
+        prepare_file(file)
+        bound, found = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
+        write_text(file, task_text(bound.spec, found, find_task(task).read_text()))
+    except OutputError as problem:
+        _refuse(problem)
+    print_rehearsal(console, found, file)
+    raise typer.Exit(0 if all(way.grade.passes for way in found.values()) else FAILED)
 
 
 @app.command()

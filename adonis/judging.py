@@ -48,17 +48,20 @@ HAND_OVER_STEP = 0.10  # change of a joint's torque in 2 ms, as a share of its l
 UPRIGHT = 5.0  # joints that no sub-task moves [deg]
 
 
-def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
+def judge(
+    recording: Recording, spec: TaskSpec | None = None, replay: Replay | None = None
+) -> Judgement:
     """Measure a recording against a task.
 
     Args:
         recording: what happened.
         spec: the task; default: the one that the recording says it is of, which may then use
             only primitives that are installed.
+        replay: of the recording, if there is one already.
     """
     task = task_from_text(str(recording.about["task"]))[0] if spec is None else spec
     names = BodyMap.model_validate(recording.about["body_map"])
-    measuring = _Measuring(recording, names)
+    measuring = _Measuring(recording, names, replay or Replay(recording))
     spans = {s.name: s for s in recording.spans}
     verdicts = []
     for subtask in task.subtasks:
@@ -86,9 +89,8 @@ def hand_over_rows(recording: Recording, span: Span, fade: float) -> slice:
 class _Measuring:
     """Measures one recording."""
 
-    def __init__(self, recording: Recording, names: BodyMap) -> None:
-        self.recording, self.names = recording, names
-        self.replay = Replay(recording)
+    def __init__(self, recording: Recording, names: BodyMap, replay: Replay) -> None:
+        self.recording, self.names, self.replay = recording, names, replay
         self.aims = Aims(self.replay, names)
 
     # --- sub-tasks -------------------------------------------------------------------------

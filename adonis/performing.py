@@ -18,11 +18,13 @@ from adonis.comparison.human import Human
 from adonis.comparison.report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
 from adonis.errors import InputError
+from adonis.rehearsal.keeping import rehearsed
+from adonis.rehearsal.rehearsing import Rehearsed
 from adonis.reporting import Results, prepare_folder, remove_folders, write_results
 from adonis.showing import print_comparison
 from primitives import Primitive
 from sim import Body, Recording, unknown
-from specs import BoundTask
+from specs import BoundTask, bind_task
 
 FEWEST_ROWS = 2  # of a recording that is worth keeping: fewer are no movement
 
@@ -115,6 +117,20 @@ def events_of(asked: Iterable[str], known: Sequence[str]) -> list[tuple[float, s
             raise InputError(f"--send: {unknown('event', name, known)}")
         found.append((seconds, name))
     return found
+
+
+def perform_rehearsal(
+    console: Console, bound: BoundTask, *, seed: int, afresh: bool
+) -> tuple[BoundTask, dict[str, Rehearsed]]:
+    """Find the ways that a task lacks, with a bar: see `rehearsed`."""
+    with Progress(*_columns(), console=console, transient=True) as bar:
+        shown = bar.add_task("rehearsing (slow only the first time)", total=1.0)
+
+        def trying(share: float, subtask: str) -> None:
+            bar.update(shown, completed=share, description=f"rehearsing: {subtask}")
+
+        spec, found = rehearsed(bound.spec, bound.body, seed=seed, afresh=afresh, progress=trying)
+    return bind_task(spec, bound.body), found
 
 
 def perform_comparison(

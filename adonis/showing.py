@@ -1,11 +1,15 @@
 """Judgements and comparisons in the terminal."""
 
+from collections.abc import Mapping
+from pathlib import Path
+
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from adonis.comparison.comparing import Comparison
 from adonis.comparison.report import Written, failures, summary
+from adonis.rehearsal.rehearsing import Rehearsed
 from adonis.verdicts import Judgement, Verdict
 
 
@@ -88,3 +92,19 @@ def print_comparison(console: Console, comparison: Comparison, written: Written)
         console.print(f"[yellow]{escape(notice)}[/yellow]", soft_wrap=True)
     report = written.folder / "report.html"
     console.print(f"The report is [bold]{escape(str(report))}[/bold].", soft_wrap=True)
+
+
+def print_rehearsal(console: Console, found: Mapping[str, Rehearsed], file: Path) -> None:
+    """The ways that a rehearsal found, and where they are written."""
+    for name, way in found.items():
+        points, passes = len(way.does.via), way.grade.passes
+        how = f"by way of {points} point{'s' * (points > 1)}" if points else "straight"
+        said = "[green]ok[/green]" if passes else "[red]no way was found that passes[/red]"
+        tries = f"{way.tried} way{'s' * (way.tried > 1)} tried"
+        console.print(f"  {escape(name)}: {how}, {tries}  {said}", soft_wrap=True)
+    console.print(
+        f"{len(found)} ways are in [bold]{escape(str(file))}[/bold]"
+        if found
+        else f"No hand lacks a way; the task is in [bold]{escape(str(file))}[/bold]",
+        soft_wrap=True,
+    )

@@ -3,7 +3,7 @@
 tau(t) = sum_i a_i(t) phi_i(q, q', t)
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -25,7 +25,12 @@ from specs import BoundTask
 from specs.blame import told
 
 FloatArray = NDArray[np.float64]
+Place = tuple[NDArray[Any], ...]  # in a task: rows of the arrays that are called KEPT
 SAFETY = "safety"  # as the safety filter is called among the primitives
+KEPT = (  # in a `Place`
+    *("_live", "_course", "_events", "_slots", "_log", "_rounds", "_memory"),
+    *("_plain_torque", "_plain_error"),
+)
 SHARE_FROM = 256  # simulations: below, waking another thread costs more than it saves
 
 
@@ -131,6 +136,35 @@ class Arbiter:
     def changes(self) -> int:
         """How many torques the safety filter has changed so far, all simulations together."""
         return 0 if self._safety is None else self._safety.changed
+
+    @property
+    def forkable(self) -> bool:
+        """Whether `place` is all that it remembers: not so in groups, filters and plain Python."""
+        return not (self._plain or self._combination or self._safety)
+
+    def place(self, simulation: int = 0) -> Place:
+        """How far one of the simulations has come in the task, and what its fields remember."""
+        return tuple(getattr(self, name)[simulation].copy() for name in KEPT)
+
+    def go_on_from(self, place: Place) -> None:
+        """Let all simulations go on from a place in this task, or in one of the same shape.
+
+        Of the same shape is a task whose sub-tasks have the same names, order and joints: their
+        parameters may differ.
+
+        Raises:
+            ArbiterError: the task is of another shape, or this arbiter is not `forkable`.
+        """
+        for name, kept in zip(KEPT, place, strict=True):
+            own = getattr(self, name)
+            if own.shape[1:] != kept.shape or not self.forkable:
+                raise ArbiterError("this arbiter cannot go on from there: see Arbiter.go_on_from")
+            own[:] = kept
+
+    def hold_back(self, names: Iterable[str]) -> None:
+        """Let sub-tasks that have not begun never begin, nor what comes after them."""
+        for name in names:
+            self._log["waits"][:, self.task.graph.order.index(name)] += 1
 
     def torque(self, state: State) -> FloatArray:
         """The torques (n, nv) [N m] that the task asks for now, within the motors' limits.
@@ -321,8 +355,7 @@ class Arbiter:
     def _not_finite(self, state: State, simulation: int) -> ArbiterError:
         """Ask the fields of a simulation once more, to see which of them it is."""
         blame = Arbiter(self.task)
-        kept = ("_live", "_course", "_slots", "_log", "_memory", "_plain_torque", "_plain_error")
-        for name in kept:
+        for name in KEPT:
             getattr(blame, name)[0] = getattr(self, name)[simulation]
         blame._control(ACT, blame._arrays(state.of_one(simulation)))
         rows = np.empty((1, self.most_channels), dtype=np.int32)

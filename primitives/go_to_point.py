@@ -118,6 +118,11 @@ class GoToPoint(Primitive):
                     miss=float(misses[-1]),
                 )  # fmt: skip
 
+    def palm_goal(self, body: Body) -> PalmGoal:
+        """Where the palm is to be in the end, as inverse kinematics wants it."""
+        arm = body.arm(self.limb)
+        return _palm_goal(body, arm, self.hand_goal(body, arm))
+
     def hand_goal(self, body: Body, arm: Arm) -> HandGoal:
         """The places that the palm is to pass, and how it is to be turned in the end."""
         to = Place(near=self.to) if isinstance(self.to, str) else self.to
@@ -145,18 +150,22 @@ def _locate(body: Body, arm: Arm, place: Place) -> Spot:
     return Spot(link, point + body.to_link(link, np.array(place.offset)), np.zeros(3))
 
 
-def _postures(body: Body, arm: Arm, goal: HandGoal) -> tuple[FloatArray, FloatArray]:
-    """Postures (places, nv) for the places of a goal, and by how much each misses [m]."""
+def _palm_goal(body: Body, arm: Arm, goal: HandGoal) -> PalmGoal:
+    """The last place of a goal, directions being in the body's frame."""
 
     def in_body(part: tuple[int, FloatArray] | None) -> FloatArray | None:
         return None if part is None else body.from_link(*part)
 
-    on_the_way = [PalmGoal(place, touched=goal.touched) for place in goal.places[:-1]]
-    last = PalmGoal(
+    return PalmGoal(
         goal.places[-1],
         normal=in_body(goal.normal),
         fingers=in_body(None if goal.fingers is None else (arm.root, goal.fingers)),
         upper_arm=in_body(None if goal.upper_arm is None else (arm.root, goal.upper_arm)),
         touched=goal.touched,
     )
-    return reach(body, arm, [*on_the_way, last])
+
+
+def _postures(body: Body, arm: Arm, goal: HandGoal) -> tuple[FloatArray, FloatArray]:
+    """Postures (places, nv) for the places of a goal, and by how much each misses [m]."""
+    on_the_way = [PalmGoal(place, touched=goal.touched) for place in goal.places[:-1]]
+    return reach(body, arm, [*on_the_way, _palm_goal(body, arm, goal)])

@@ -40,8 +40,8 @@ from sim.spring_way import (
     turned,
 )
 from sim.state import State
-from sim.way import Detour, Way, find_way, straight_way
-from sim.world import BareWorld, Push, World
+from sim.way import Detour, Way, find_way, straight_way, way_gone
+from sim.world import BareWorld, Moment, Push, World
 
 __all__ = [
     "BODIES",
@@ -66,6 +66,7 @@ __all__ = [
     "Inertias",
     "Lag",
     "Limb",
+    "Moment",
     "Motion",
     "NoDisplay",
     "PalmGoal",
@@ -112,4 +113,5 @@ __all__ = [
     "straight_way",
     "turned",
     "unknown",
+    "way_gone",
 ]

@@ -6,6 +6,7 @@ own kinematics and collision detection. Nothing is shared with the controllers.
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -35,6 +36,15 @@ class Closest:
     geoms: tuple[str, str]
 
 
+@lru_cache(maxsize=4)
+def _compiled(xml: str) -> mujoco.MjModel:
+    """A recorded model; nobody may change it."""
+    model = mujoco.MjModel.from_xml_string(xml)
+    # Bodies that were allowed to pass through each other are still seen to do it.
+    model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    return model
+
+
 class Replay:
     """Geometry of a recording.
 
@@ -44,9 +54,7 @@ class Replay:
 
     def __init__(self, recording: Recording) -> None:
         self.recording = recording
-        self.model = mujoco.MjModel.from_xml_string(recording.model_xml)
-        # Bodies that were allowed to pass through each other are still seen to do it.
-        self.model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+        self.model = _compiled(recording.model_xml)
         self._data = mujoco.MjData(self.model)
         count = len(recording.time)
         sites, links = self.model.nsite, self.model.nbody

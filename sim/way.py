@@ -9,7 +9,7 @@ the best, draw again near those. Seeds are fixed, so that the same question gets
 Nothing here is proof for the physics: a hand lags behind its path, and springs give.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.body import Arm, Body
-from sim.reaching import DIRECTION, PLACE, PalmGoal
+from sim.reaching import PalmGoal
+from sim.state import State
+from sim.world import World
 
 FloatArray = NDArray[np.float64]
 Curve = Callable[[FloatArray], FloatArray]  # from start, via points and goal (p, 3) to (k, 3)
@@ -29,9 +31,10 @@ STRAY = 0.02  # of the palm from its path, on a way that the arm can go [m]
 NEAR = 0.06  # from start and goal: there the hand may touch what it leaves, and what it is to [m]
 SIGHT = 0.08  # distances beyond this are not measured [m]
 POINTS = 20  # of a path that are looked at
-STEPS = 8  # of inverse kinematics at most, from each to the next
-STIFF = 0.1  # cost of leaving the posture before [1/rad]
-ROUNDS, DRAWN, KEPT = 5, 24, 6  # of the search for via points
+STEPS = 5  # of inverse kinematics, from each to the next
+PLACE, DIRECTION, STIFF = 60.0, 0.3, 0.1  # costs of missing these, of moving [1/m, 1, 1/rad]
+BEND = 0.1  # a joint at the end of its range begins so far from it: a straight arm is stuck [rad]
+ROUNDS, DRAWN, KEPT = 6, 48, 6  # of the search for via points
 SPREAD = 0.12  # of the via points that are drawn first [m]
 TURN = 0.5  # of the upper arm's direction, likewise [1]
 
@@ -60,20 +63,26 @@ class Detour:
     """Via points and a direction of the upper arm, and the way that they make."""
 
     via: tuple[FloatArray, ...]  # (3,) each, in the frame of the link that carries the arm [m]
+    shares: tuple[float, ...]  # of the length from point to point, at which they are passed
     upper_arm: FloatArray | None  # (3,) unit, in the body's frame; None leaves it free
     way: Way
 
 
 def straight(knots: FloatArray) -> FloatArray:
     """A path (POINTS, 3) straight from knot to knot (p, 3), at one speed."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(knots, axis=0), axis=1))])
+    along = _lengths(knots)
     asked = np.linspace(0.0, along[-1], POINTS)
     return np.stack([np.interp(asked, along, axis) for axis in knots.T], axis=1)
 
 
 def straight_way(body: Body, start: FloatArray, arm: Arm, goal: PalmGoal) -> Way:
     """The way of the hand straight from where it is in posture `start` (nq,) to a goal."""
-    return _Scene(body, start, arm, goal).way((), goal.upper_arm, straight)
+    return _straight(_Scene(body, start, arm, goal), straight).way
+
+
+def way_gone(body: Body, arm: Arm, goal: PalmGoal, path: FloatArray, postures: FloatArray) -> Way:
+    """The way that a palm went (k, 3) in postures (k, nq) of the whole body."""
+    return _Scene(body, postures[0], arm, goal).seen(path, postures)
 
 
 def find_way(
@@ -82,18 +91,18 @@ def find_way(
     arm: Arm,
     goal: PalmGoal,
     *,
-    most: int = 2,
+    counts: Sequence[int] = (0, 1, 2),
     curve: Curve = straight,
     seed: int = 0,
 ) -> Detour:
-    """The straight way if it is free, else the best way round that is found.
+    """The way with the fewest via points that is free, or the best that is found.
 
     Args:
         body: whose arm it is.
         start: posture (nq,) of the whole body in which the way begins.
         arm: the arm.
         goal: where the palm is to be; a direction of the upper arm that it gives is kept.
-        most: how many via points there may be; fewer are tried first.
+        counts: of via points that are tried, one after the other; 0 is the straight way.
         curve: the path through start, via points and goal.
         seed: of the search.
 
@@ -101,32 +110,42 @@ def find_way(
         The way; whether it is good enough is for `way.free` to say.
     """
     scene = _Scene(body, start, arm, goal)
-    best = Detour((), goal.upper_arm, scene.way((), goal.upper_arm, curve))
-    for count in range(1, most + 1):
-        if best.way.free:
-            break
-        found = _search(scene, count, curve, np.random.default_rng([seed, count]))
-        if found.way.free or found.way.cost < best.way.cost:
+    best: Detour | None = None
+    for count in counts:
+        if count == 0:
+            found = _straight(scene, curve)
+        else:
+            found = _search(scene, count, curve, np.random.default_rng([seed, count]))
+        if best is None or found.way.free or found.way.cost < best.way.cost:
             best = found
+        if found.way.free:
+            break
+    if best is None:
+        raise ValueError("counts is empty: give at least one number of via points")
     carrier, axes = scene.frame(arm.root)
     return replace(best, via=tuple(axes.T @ (point - carrier) for point in best.via))
 
 
+def _straight(scene: "_Scene", curve: Curve) -> Detour:
+    """No via points; the upper arm as the goal has it."""
+    wish = scene.goal.upper_arm
+    (only,) = scene.detours(np.zeros((1, 0, 3)), None if wish is None else wish[None], curve)
+    return only
+
+
 def _search(scene: "_Scene", count: int, curve: Curve, rng: np.random.Generator) -> Detour:
     """The best of `count` via points, in the world, by the cross-entropy method."""
-    points, free = scene.first_guess(count), scene.goal.upper_arm is None
-    mean = np.concatenate([points.ravel(), scene.upper_arm if free else ()])
-    size = np.where(np.arange(len(mean)) < 3 * count, SPREAD, TURN)
+    wish = scene.goal.upper_arm
+    turn = scene.upper_arm if wish is None else wish
+    mean = np.concatenate([scene.first_guess(count).ravel(), turn])
+    size = np.where(np.arange(len(mean)) < 3 * count, SPREAD, TURN if wish is None else 0.0)
     best: Detour | None = None
     for _ in range(ROUNDS):
         drawn = mean + size * rng.standard_normal((DRAWN, len(mean)))
         drawn[0] = mean
-        tried = []
-        for row in drawn:
-            via = tuple(row[: 3 * count].reshape(count, 3))
-            along = row[3 * count :]
-            upper = along / np.linalg.norm(along) if free else scene.goal.upper_arm
-            tried.append(Detour(via, upper, scene.way(via, upper, curve)))
+        along = drawn[:, 3 * count :]
+        along = along / np.linalg.norm(along, axis=1, keepdims=True)
+        tried = scene.detours(drawn[:, : 3 * count].reshape(DRAWN, count, 3), along, curve)
         order = np.argsort([t.way.cost for t in tried], kind="stable")
         if best is None or tried[order[0]].way.cost < best.way.cost:
             best = tried[order[0]]
@@ -147,34 +166,56 @@ class _Scene:
         self.target = place + axes @ goal.place.point
         self.palm = self._palm()
         hand = self.frame(arm.hand)[1]
-        self.normal, self.outward = hand @ arm.palm.normal, np.zeros(3)
-        if goal.normal is not None:
-            self.outward = -goal.normal
+        self.normal = hand @ arm.palm.normal
+        self.facing: FloatArray | None = None
+        if goal.normal is not None:  # it turns with what is touched, which may be the other arm
+            carrier = goal.place.link if goal.touched >= 0 else arm.root
+            self.facing = self.frame(carrier)[1] @ body.to_link(carrier, goal.normal)
         along = self.frame(arm.forearm)[0] - self.frame(arm.upper_arm)[0]
         self.upper_arm = along / np.linalg.norm(along)
-        self._pairs = _pairs(body, arm, goal.touched)
-        self._leaves = {
-            key for key, group in self._pairs.items() if self._closest(group) < ROOM
-        }  # what is close already as the way begins
-        self._lead = _Lead(body, arm)
+        pairs = _pairs(body, arm)
+        self._links = [links for _, _, links in pairs]
+        one, other = (np.array([pair[k] for pair in pairs], dtype=int) for k in (0, 1))
+        radius = body.model.geom_rbound
+        self._geoms = one, other, (radius[one] + radius[other] + SIGHT) ** 2
+        names = [body.model.body(link).name for link in (arm.hand, max(goal.touched, 0))]
+        self._touch = (names[0], names[1])  # what the hand is to touch in the end
+        self._leaves = {key for key, distance in self._near().items() if distance < ROOM}
 
     def frame(self, link: int) -> tuple[FloatArray, FloatArray]:
         """Origin (3,) and axes (3, 3) of a link as the way begins."""
         return self.data.xpos[link].copy(), self.data.xmat[link].reshape(3, 3).copy()
 
     def first_guess(self, count: int) -> FloatArray:
-        """Via points (count, 3) in the world: in front of the trunk, then before the goal."""
-        _, axes = self.frame(self.arm.root)
-        middle = 0.5 * (self.palm + self.target)
-        before = self.target + 0.12 * self.outward + 0.04 * axes[:, 0]
-        front = middle + 0.15 * axes[:, 0]
-        return np.array([0.5 * (front + before)] if count == 1 else [front, before][:count])
+        """Via points (count, 3) in the world: from the start and over to the goal, in front."""
+        forward = self.frame(self.arm.root)[1][:, 0]
+        outward = np.zeros(3) if self.facing is None else -self.facing
+        before = self.target + 0.12 * outward + 0.04 * forward
+        shares = np.linspace(0.0, 1.0, count + 1)[:-1, None] + 0.5 / count
+        front = (1.0 - shares) * self.palm + shares * before + 0.15 * forward
+        return front if count == 1 else np.concatenate([front[:-1], [before]])
 
-    def way(self, via: tuple[FloatArray, ...], upper_arm: FloatArray | None, curve: Curve) -> Way:
-        """The way through via points in the world."""
-        path = curve(np.array([self.palm, *via, self.target]))
+    def detours(
+        self, points: FloatArray, upper_arms: FloatArray | None, curve: Curve
+    ) -> list[Detour]:
+        """The ways through via points (n, p, 3) that stay in the world; upper arms are (n, 3)."""
+        n = len(points)
+        first, last = (np.tile(end, (n, 1, 1)) for end in (self.palm, self.target))
+        knots = np.concatenate([first, points, last], axis=1)
+        paths = np.stack([curve(row) for row in knots])
+        postures = _Lead(self, n)(paths, upper_arms)
+        found = []
+        for i in range(n):
+            along = _lengths(knots[i])
+            shares = tuple(along[1:-1] / max(along[-1], 1e-9))
+            upper_arm = None if upper_arms is None else upper_arms[i]
+            way = self.seen(paths[i], postures[i])
+            found.append(Detour(tuple(points[i]), shares, upper_arm, way))
+        return found
+
+    def seen(self, path: FloatArray, postures: FloatArray) -> Way:
+        """What there is to say of postures (k, nq) whose palm was to be on a path (k, 3)."""
         shares = np.linspace(0.0, 1.0, len(path))
-        postures = self._lead(self.start, path, shares, self, upper_arm)
         least, asked, where, links = SIGHT, ROOM, 0.0, ("", "")
         crowding, stray = 0.0, 0.0
         for share, wanted, q in zip(shares, path, postures, strict=True):
@@ -182,11 +223,10 @@ class _Scene:
             stray = max(stray, float(np.linalg.norm(self._palm() - wanted)))
             gone, left = (float(np.linalg.norm(wanted - end)) for end in (self.palm, self.target))
             room = min(ROOM, CLOSE + 0.3 * min(gone, left))
-            for key, group in self._pairs.items():
-                if (gone < NEAR and key in self._leaves) or (left < NEAR and group.touches):
+            for key, distance in self._near().items():
+                if (gone < NEAR and key in self._leaves) or (left < NEAR and key == self._touch):
                     continue
-                distance = self._closest(group)
-                crowding += max(0.0, 1.0 - distance / (1.5 * room)) ** 2
+                crowding += max(0.0, 1.0 - distance / (1.5 * room)) ** 2 * POINTS / len(path)
                 if distance - room < least - asked:
                     least, asked, where, links = distance, room, float(share), key
         self._set(self.start)
@@ -196,12 +236,18 @@ class _Scene:
         tight = max(0.0, asked - least)
         return Way(path, postures, least, tight, where, links, stray, float(cost))
 
-    def _closest(self, group: "_Group") -> float:
-        """Least distance of two links, as `data` has them [m]; SIGHT if it is more."""
-        least, model = SIGHT, self.body.model
-        for a, b in product(group.mine, group.theirs):
-            least = min(least, mujoco.mj_geomDistance(model, self.data, a, b, least, None))
-        return float(least)
+    def _near(self) -> dict[tuple[str, str], float]:
+        """Least distances of the links that are within sight of each other, as `data` has them."""
+        one, other, sight = self._geoms
+        between = self.data.geom_xpos[one] - self.data.geom_xpos[other]
+        found: dict[tuple[str, str], float] = {}
+        for k in np.flatnonzero(np.einsum("ki,ki->k", between, between) < sight):
+            key, model = self._links[k], self.body.model
+            least = found.get(key, SIGHT)
+            found[key] = min(
+                least, mujoco.mj_geomDistance(model, self.data, one[k], other[k], least, None)
+            )
+        return found
 
     def _palm(self) -> FloatArray:
         place, axes = self.frame(self.arm.hand)
@@ -213,90 +259,122 @@ class _Scene:
         mujoco.mj_kinematics(self.body.model, self.data)
 
 
-@dataclass(frozen=True)
-class _Group:
-    """The colliding geoms of two links that are to be kept apart."""
-
-    mine: list[int]
-    theirs: list[int]
-    touches: bool  # the hand is to touch it in the end
-
-
-def _pairs(body: Body, arm: Arm, touched: int) -> dict[tuple[str, str], _Group]:
-    """What must not touch an arm, by the names of the links: the other arm too."""
+def _pairs(body: Body, arm: Arm) -> list[tuple[int, int, tuple[str, str]]]:
+    """What must not touch an arm, the other arm too: geoms, and the links that they are of."""
     own = {arm.limb.upper_arm, arm.limb.forearm, arm.limb.hand}
-    found = {}
+    found = []
     for names in body.map.keep_apart:
         one, other = sorted(names, key=lambda name: name not in own)
-        if one not in own or other in own:
-            continue
-        touches = (body.link(one), body.link(other)) == (arm.hand, touched)
-        mine, theirs = (body.colliding(body.link(name)) for name in (one, other))
-        if mine and theirs:
-            found[one, other] = _Group(mine, theirs, touches)
+        if one in own and other not in own:
+            geoms = product(*(body.colliding(body.link(name)) for name in (one, other)))
+            found += [(a, b, (one, other)) for a, b in geoms]
     return found
 
 
 class _Lead:
-    """Leads the palm along a path by inverse kinematics, as mink does it."""
+    """Leads n palms along paths by damped least squares (Wampler 1986), all at once.
 
-    def __init__(self, body: Body, arm: Arm) -> None:
-        import mink  # noqa: PLC0415  (half a second that most tasks never need)
+    `sim.reach` finds a posture with mink; here it is thousands of postures, each next to the one
+    before, and what they run into is to be seen, not kept away.
+    """
 
-        self._mink, self._arm = mink, arm
-        self._configuration = mink.Configuration(body.model, body.home)
-        others = [j for j in range(body.nv) if j not in set(arm.dofs)]
-        self._frozen = [mink.DofFreezingTask(body.model, others)] if others else []
-        self._limits = [mink.ConfigurationLimit(body.model)]
-        self._place = mink.FrameTask(
-            arm.limb.palm, "site", position_cost=PLACE, orientation_cost=0.0
+    def __init__(self, scene: _Scene, n: int) -> None:
+        self._body, self._arm, self._scene = scene.body, scene.arm, scene
+        self._world = World(scene.body, n)
+        self._places = self._body.qpos_of_dof[self._arm.dofs]
+        self._range = tuple(limit[self._arm.dofs] for limit in self._body.range)
+        self._root = int(self._body.model.body_rootid[self._arm.hand])
+        self._along = self._body.to_link(
+            self._arm.upper_arm, self._body.upper_arm_at_home(self._arm)
         )
-        self._stay = mink.PostureTask(body.model, cost=STIFF)
-        along = body.to_link(arm.upper_arm, body.upper_arm_at_home(arm))
-        self._palm = mink.AxisAlignTask(arm.limb.hand, "body", axis=arm.palm.normal, cost=DIRECTION)
-        self._upper_arm = mink.AxisAlignTask(arm.limb.upper_arm, "body", axis=along, cost=DIRECTION)
 
-    def __call__(
-        self,
-        start: FloatArray,
-        path: FloatArray,
-        shares: FloatArray,
-        scene: _Scene,
-        upper_arm: FloatArray | None,
-    ) -> FloatArray:
-        """Postures (k, nq) whose palm is on the path (k, 3), from a start (nq,)."""
-        configuration, normal = self._configuration, scene.goal.normal
-        configuration.update(start)
-        tasks = [self._place, self._stay]
-        tasks += [self._palm] if normal is not None else []
-        tasks += [self._upper_arm] if upper_arm is not None else []
-        postures = [start]
-        for share, wanted in zip(shares[1:], path[1:], strict=True):
-            self._place.set_target(self._mink.SE3.from_translation(wanted))
-            self._stay.set_target(configuration.q)
+    def __call__(self, paths: FloatArray, upper_arms: FloatArray | None) -> FloatArray:
+        """Postures (n, k, nq) whose palms are on paths (n, k, 3), the first being the start.
+
+        Args:
+            paths: of the palms, in the world.
+            upper_arms: directions of the upper arms in the end (n, 3); None leaves them free.
+        """
+        scene, normal = self._scene, self._scene.facing
+        n, points = paths.shape[:2]
+        start = np.tile(scene.start, (n, 1))
+        postures, q, (low, high) = [start], start.copy(), self._range
+        q[:, self._places] = np.clip(start[:, self._places], low + BEND, high - BEND)
+        for k in range(1, points):
+            share, turns = k / (points - 1), []
             if normal is not None:
-                self._palm.set_target(_between(scene.normal, normal, share))
-            if upper_arm is not None:
-                self._upper_arm.set_target(_between(scene.upper_arm, upper_arm, share))
+                towards = np.tile(_between(scene.normal, normal, share), (n, 1))
+                turns.append((self._arm.hand, self._arm.palm.normal, towards))
+            if upper_arms is not None:
+                towards = _between(scene.upper_arm, upper_arms, share)
+                turns.append((self._arm.upper_arm, self._along, towards))
             for _ in range(STEPS):
-                try:
-                    velocity = self._mink.solve_ik(
-                        configuration, tasks, 1.0, "daqp", 1e-2,
-                        limits=self._limits, constraints=self._frozen,
-                    )  # fmt: skip
-                except self._mink.NoSolutionFound:
-                    break
-                largest = float(np.abs(velocity).max())
-                configuration.integrate_inplace(velocity * min(1.0, 0.3 / (largest + 1e-9)), 1.0)
-                if largest < 2e-2:
-                    break
-            postures.append(configuration.q.copy())
-        return np.array(postures)
+                q = self._step(q, paths[:, k], turns)
+            postures.append(q)
+        return np.stack(postures, axis=1)
+
+    def _step(
+        self,
+        qpos: FloatArray,
+        wanted: FloatArray,
+        turns: Sequence[tuple[int, FloatArray, FloatArray]],
+    ) -> FloatArray:
+        """Bring palms nearer to places (n, 3), and axes of links to directions (n, 3)."""
+        arm, dofs = self._arm, self._arm.dofs
+        self._world.reset(qpos)
+        state = self._world.state
+        palm = state.xpos[:, arm.hand] + _axes(state, arm.hand) @ arm.palm.point
+        spin, centre = state.cdof[:, dofs, :3], state.subtree_com[:, self._root]
+        moves = state.cdof[:, dofs, 3:] + _cross(spin, (palm - centre)[:, None])
+        rows, misses = [PLACE * moves], [PLACE * (wanted - palm)]
+        for link, axis, direction in turns:
+            now = _axes(state, link) @ axis
+            turned = np.where(self._body.ancestors[link][dofs][:, None], spin, 0.0)
+            along = np.einsum("nji,ni->nj", turned, now)  # spinning about the axis itself is free
+            rows.append(DIRECTION * (turned - along[:, :, None] * now[:, None]))
+            misses.append(DIRECTION * _cross(now, direction))
+        J, e = np.concatenate(rows, axis=2).swapaxes(1, 2), np.concatenate(misses, axis=1)
+        q = qpos[:, self._places]
+        change = _solve(J, e)
+        beyond = np.clip(q + change, *self._range) != q + change
+        change = np.where(beyond, change, _solve(np.where(beyond[:, None], 0.0, J), e))
+        change *= np.minimum(1.0, 0.3 / (np.abs(change).max(axis=1, keepdims=True) + 1e-9))
+        new = qpos.copy()
+        new[:, self._places] = np.clip(q + change, *self._range)
+        return new
+
+
+def _solve(J: FloatArray, e: FloatArray) -> FloatArray:
+    """The x (n, j) that make |J x - e|^2 + STIFF^2 |x|^2 least, for J (n, m, j) and e (n, m)."""
+    squared = J.swapaxes(1, 2) @ J + STIFF**2 * np.eye(J.shape[2])
+    solved = np.linalg.solve(squared, J.swapaxes(1, 2) @ e[:, :, None])[:, :, 0]
+    return np.asarray(solved, dtype=np.float64)
+
+
+def _axes(state: State, link: int) -> FloatArray:
+    """Axes (n, 3, 3) of a link."""
+    axes: FloatArray = state.xmat[:, link].reshape(-1, 3, 3)
+    return axes
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Vector products (..., 3); `np.cross` takes ten times as long for a few."""
+    (ax, ay, az), (bx, by, bz) = np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)
+    product_: FloatArray = np.stack(
+        [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1
+    )
+    return product_
+
+
+def _lengths(knots: FloatArray) -> FloatArray:
+    """How far it is from the first of some points (p, 3) to each, along all of them (p,)."""
+    steps = np.linalg.norm(np.diff(knots, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
-    """A direction (3,) between two, so far along."""
+    """Directions (..., 3) between two, so far along."""
     mixed = (1.0 - share) * one + share * other
-    length = float(np.linalg.norm(mixed))
-    unit: FloatArray = mixed / length if length > 1e-6 else other
+    length = np.linalg.norm(mixed, axis=-1, keepdims=True)
+    unit: FloatArray = np.where(length > 1e-6, mixed / np.maximum(length, 1e-6), other)
     return unit

@@ -28,6 +28,16 @@ class Push:
     simulations: tuple[int, ...] | None = None  # all of them when None
 
 
+@dataclass(frozen=True)
+class Moment:
+    """One simulation as it is now: what its future follows from, but for the torques to come."""
+
+    time: float  # [s]
+    qpos: FloatArray  # (nq,)
+    qvel: FloatArray  # (nv,)
+    warmstart: FloatArray  # (nv,) where the solver of the contacts begins
+
+
 class BareWorld:
     """MuJoCo's `Batch` and nothing else: what control is measured against.
 
@@ -85,8 +95,9 @@ class World:
         self._pushes = [(p, body.link(p.link)) for p in pushes]
         self._force = batch.bind("xfrc_applied") if pushes else None
         self._qpos, self._qvel = batch.bind("qpos"), batch.bind("qvel")
+        self._time, self._warmstart = batch.bind("time"), batch.bind("qacc_warmstart")
         self.state = State(
-            time=read_only(batch.bind("time").view()),
+            time=read_only(self._time.view()),
             qpos=read_only(self._qpos.view()),
             qvel=read_only(self._qvel.view()),
             xpos=read_only(batch.bind("xpos").view()),
@@ -109,6 +120,19 @@ class World:
         self._batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self._qpos[:] = self.body.home if qpos is None else qpos
         self._qvel[:] = 0.0 if qvel is None else qvel
+        self._batch.forward(stage=_KINEMATICS)
+
+    def moment(self, simulation: int = 0) -> Moment:
+        """One of the simulations as it is now."""
+        state, warmstart = self.state.of_one(simulation), self._warmstart[simulation]
+        return Moment(
+            float(state.time[0]), state.qpos[0].copy(), state.qvel[0].copy(), warmstart.copy()
+        )
+
+    def go_back(self, moment: Moment) -> None:
+        """Let all simulations go on from a moment of this world or of another of its body."""
+        self._time[:], self._warmstart[:] = moment.time, moment.warmstart
+        self._qpos[:], self._qvel[:] = moment.qpos, moment.qvel
         self._batch.forward(stage=_KINEMATICS)
 
     def step(self, torque: FloatArray) -> None:

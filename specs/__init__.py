@@ -1,5 +1,6 @@
 """Floor 3: the task language, from YAML to a bound task graph."""
 
+from specs.amending import amended
 from specs.available import available_primitives, primitives_in
 from specs.binding import BoundTask, bind_task
 from specs.claims import claims_of
@@ -10,7 +11,7 @@ from specs.graph import TaskGraph, build_graph
 from specs.graph_writing import to_dot, to_graphml, to_json, to_mermaid
 from specs.groups import Group
 from specs.lint import KINDS, Finding, lint_task, refusal
-from specs.loading import library, load_task, task_from_text
+from specs.loading import find_task, library, load_task, task_from_text
 from specs.reading import Document
 from specs.task import Background, SubTask, TaskSpec, with_tempo
 from specs.writing import task_to_yaml
@@ -30,10 +31,12 @@ __all__ = [
     "SubTask",
     "TaskGraph",
     "TaskSpec",
+    "amended",
     "available_primitives",
     "bind_task",
     "build_graph",
     "claims_of",
+    "find_task",
     "library",
     "lint_task",
     "load_task",

@@ -145,6 +145,7 @@ class TaskSpec(BaseModel):
     hand_over: NonNegative = 0.1  # [s] cross-fade between sub-tasks that claim the same joints
     coda: NonNegative = 1.0  # beats for which the last goals are held
     safety: Literal["none", "filter"] = "none"  # what comes after all torques are summed
+    rehearse: bool = False  # whether ways of hands that it says nothing of are to be found first
     background: tuple[Background, ...] = ()
     groups: tuple[Group, ...] = ()  # what is combined by another rule than the sum
     subtasks: Annotated[tuple[SubTask, ...], Field(min_length=1)]

@@ -24,6 +24,7 @@ OWNERS = {
     "mink": {"sim"},
     "daqp": {"arbiter"},
     "scipy": {"adonis"},
+    "platformdirs": {"adonis"},
     "jinja2": {"adonis"},
 }
 FILES = [path for floor in FLOORS for path in sorted((ROOT / floor).rglob("*.py"))]

@@ -83,7 +83,7 @@ def test_the_way_found_goes_through_nothing(body: Body, limb: str, landmark: str
 
 def test_the_same_question_gets_the_same_answer(body: Body) -> None:
     arm, goal = body.arm("right_arm"), onto(body, "right_shoulder.top")
-    one, other = (find_way(body, body.home, arm, goal, most=1) for _ in range(2))
+    one, other = (find_way(body, body.home, arm, goal, counts=(1,)) for _ in range(2))
     np.testing.assert_array_equal(one.via[0], other.via[0])
     np.testing.assert_array_equal(one.way.postures, other.way.postures)
 
@@ -92,7 +92,8 @@ def test_a_wish_for_the_upper_arm_is_kept(body: Body) -> None:
     arm, wish = body.arm("right_arm"), np.array([0.0, -1.0, 0.0])
     spot = body.landmark("chest.front")
     goal = PalmGoal(spot, upper_arm=wish, touched=spot.link)
-    assert find_way(body, body.home, arm, goal, most=1).upper_arm is wish
+    found = find_way(body, body.home, arm, goal, counts=(1,))
+    np.testing.assert_allclose(found.upper_arm, wish)
 
 
 def test_an_arm_that_cannot_go_there_strays(body: Body) -> None:

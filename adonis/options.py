@@ -1,0 +1,65 @@
+"""What the commands of the command line share: what they ask for, and how Ctrl-C ends them."""
+
+import sys
+from enum import StrEnum
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+INTERRUPTED = 130  # the exit code that shells use
+
+TaskArgument = Annotated[
+    str, typer.Argument(metavar="TASK", help="A task of the library (see `adonis list`) or a file.")
+]
+BodyOption = Annotated[str, typer.Option("--body", metavar="NAME", help="Body that does it.")]
+TempoOption = Annotated[
+    float | None,
+    typer.Option("--tempo", metavar="BPM", help="Beats per minute instead of the task's own."),
+]
+PrimitivesOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--primitives",
+        metavar="FILE",
+        help="Python file (or module) whose primitives the task may use; may be repeated.",
+    ),
+]
+WaysOption = Annotated[
+    str | None,
+    typer.Option(
+        "--out", metavar="FILE", help="The task with its ways.", show_default="TASK-rehearsed.yaml"
+    ),
+]
+AfreshOption = Annotated[
+    bool, typer.Option("--afresh", help="Look for ways again, even if they are known from before.")
+]
+
+
+class Start(StrEnum):
+    """Where a run begins."""
+
+    home = "home"
+    random = "random"
+
+
+class Format(StrEnum):
+    """How a graph is printed."""
+
+    mermaid = "mermaid"
+    dot = "dot"
+    graphml = "graphml"
+    json = "json"
+    timeline = "timeline"
+
+
+class Commands(TyperGroup):
+    """The commands; Ctrl-C ends any of them with one word and the code that shells use."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was asked for."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            typer.echo("adonis: interrupted", err=True)
+            sys.exit(INTERRUPTED)

@@ -1,0 +1,184 @@
+"""Rehearsal: ways are found, they pass the judge, and the same ones are found again."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from adonis.cli import app
+from adonis.dancing import run_task
+from adonis.judging import judge
+from adonis.rehearsal import keeping, rehearsing
+from adonis.rehearsal.keeping import rehearsed, task_text
+from adonis.rehearsal.rehearsing import lacks_way, rehearse, with_ways
+from adonis.rehearsal.stage import Walk, play
+from primitives import GoToPoint
+from sim import Body
+from specs import bind_task, task_from_text
+
+TEXT = """\
+# A hand that would go through the head.
+task: brow
+rehearse: true   # English tasks do
+background:
+  - {name: upright, primitive: get-posture, joints: [waist, neck], posture: upright}
+  - {name: arms, primitive: get-posture, joints: [right_arm, left_arm], posture: rest}
+  - {name: guard, primitive: avoid-collisions}
+  - {name: weight, primitive: compensate-gravity}
+subtasks:
+  - name: nape     # barred by the face
+    primitive: go-to-point
+    limb: right_arm
+    to: head.back_right
+  - name: out      # nothing is in the way
+    primitive: go-to-point
+    limb: left_arm
+    to: {point: [0.35, 0.25, 0.1]}
+"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A cache of our own; and fewer ways than usual, which are enough for an easy task."""
+    folder = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("platformdirs.user_cache_path", lambda name: folder / name)
+        patch.setattr(rehearsing, "FIRST", 16)
+        patch.setattr(rehearsing, "AGAIN", 16)
+        patch.setattr(rehearsing, "KEPT", 5)
+        yield folder
+
+
+@pytest.fixture(scope="module")
+def found(body: Body) -> dict[str, rehearsing.Rehearsed]:
+    _, ways = rehearsed(task_from_text(TEXT)[0], body)
+    return ways
+
+
+def test_the_ways_found_pass_where_the_straight_way_does_not(
+    body: Body, found: dict[str, rehearsing.Rehearsed]
+) -> None:
+    spec, _ = task_from_text(TEXT)
+    (straight,) = run_task(bind_task(spec, body))
+    assert not judge(straight, spec).verdicts[0].success
+    ways = with_ways(spec, {name: way.does for name, way in found.items()})
+    (recording,) = run_task(bind_task(ways, body))
+    assert judge(recording, ways).success
+    assert found["nape"].grade.passes
+    assert found["nape"].does.via
+
+
+def test_a_straight_way_that_passes_is_kept(found: dict[str, rehearsing.Rehearsed]) -> None:
+    assert found["out"].does.via == ()
+    assert found["out"].does.upper_arm is None
+    assert found["out"].tried == 1
+
+
+def test_the_same_task_gets_the_same_ways_and_goes_on_from_those_known(
+    body: Body, found: dict[str, rehearsing.Rehearsed]
+) -> None:
+    spec, _ = task_from_text(TEXT)
+    again = rehearse(spec, body, known={"nape": found["nape"]})
+    assert again == found
+
+
+def test_what_follows_a_scene_is_what_would_have_followed(body: Body) -> None:
+    """Bit by bit: the body, the arbiter and the solver of the contacts go on as they were."""
+    spec, _ = task_from_text(TEXT)
+    task = bind_task(spec, body)
+    (whole,) = run_task(task)
+    scene = Walk(task).next({"out"})
+    assert scene is not None
+    parts = play([task, task], scene, 0.5)
+    for part in parts:
+        assert part is not None
+        first = whole.row(float(part.time[0]))
+        rows = slice(first, first + len(part.time))
+        np.testing.assert_array_equal(part.qpos, whole.qpos[rows])
+        np.testing.assert_array_equal(part.torque, whole.torque[rows])
+
+
+def test_what_comes_later_is_held_back(body: Body) -> None:
+    task = bind_task(task_from_text(TEXT)[0], body)
+    scene = Walk(task).next({"nape"})
+    assert scene is not None
+    (part,) = play([task], scene, 1.2)
+    assert part is not None
+    assert [s.outcome for s in part.spans] == ["done", "pending"]
+
+
+@pytest.mark.parametrize(
+    "more", ["safety: filter\n", "groups: [{name: g, rule: sum, members: [nape]}]\n"]
+)
+def test_a_task_that_cannot_be_entered_midway_is_played_from_its_beginning(
+    body: Body, more: str
+) -> None:
+    task = bind_task(task_from_text(TEXT + more)[0], body)
+    scene = Walk(task).next({"out"})
+    assert scene is not None
+    assert scene.place is None
+    assert scene.time > 0.9
+    (part,) = play([task], scene, 0.1)
+    assert part is not None
+    assert part.time[0] == 0.0
+    assert part.time[-1] > scene.time
+
+
+def test_only_hands_without_a_way_are_rehearsed() -> None:
+    spec, _ = task_from_text(
+        TEXT.replace("to: head.back_right", "to: head.back_right\n    via: [{near: head.top}]")
+    )
+    assert [lacks_way(s) for s in spec.subtasks] == [False, True]
+
+
+def test_what_is_known_is_not_looked_for_again(
+    body: Body, monkeypatch: pytest.MonkeyPatch, found: dict[str, rehearsing.Rehearsed]
+) -> None:
+    spec, _ = task_from_text(TEXT)
+    done, ways = rehearsed(spec, body)
+    assert ways == found
+    assert not done.rehearse
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("it looked again")
+
+    monkeypatch.setattr(rehearsing._Rehearsal, "run", refuse)
+    assert rehearsed(spec, body) == (done, ways)
+    with pytest.raises(AssertionError, match="looked again"):
+        rehearsed(spec, body, afresh=True)
+    with pytest.raises(AssertionError, match="looked again"):
+        rehearsed(spec, body, seed=1)
+
+
+def test_a_damaged_cache_is_none(cache: Path) -> None:
+    spec, _ = task_from_text(TEXT)
+    file = cache / "bad.json"
+    for text in ("", "[]", "{}", '{"nape": 3}', '{"nape": {"does": {}, "grade": {}, "tried": 1}}'):
+        file.write_text(text)
+        assert keeping._read(file, spec) == {}
+
+
+def test_ways_are_written_beside_the_comments(found: dict[str, rehearsing.Rehearsed]) -> None:
+    spec, _ = task_from_text(TEXT)
+    ways = with_ways(spec, {name: way.does for name, way in found.items()})
+    text = task_text(ways, found, TEXT)
+    assert "# A hand that would go through the head." in text
+    assert "# barred by the face" in text
+    back, _ = task_from_text(text)
+    assert back == ways.model_copy(update={"rehearse": False})
+    assert isinstance(back.subtasks[0].does, GoToPoint)
+    anew, _ = task_from_text(task_text(ways, found, "task: elsewhere"))
+    assert anew.subtasks == ways.subtasks
+
+
+def test_the_command_writes_the_task(
+    tmp_path: Path, found: dict[str, rehearsing.Rehearsed]
+) -> None:
+    file, out = tmp_path / "brow.yaml", tmp_path / "done.yaml"
+    file.write_text(TEXT)
+    ended = CliRunner().invoke(app, ["rehearse", str(file), "--out", str(out)])
+    assert ended.exit_code == 0, ended.output
+    assert "nape: by way of" in ended.output
+    assert task_from_text(out.read_text())[0].subtasks[0].does == found["nape"].does
