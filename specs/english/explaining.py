@@ -39,6 +39,8 @@ def _head(lesson: Lesson) -> Iterator[str]:
     tempo = f"{lesson.tempo or TEMPO:g} beats per minute{'' if lesson.tempo else ', assumed'}"
     yield f"{lesson.file}: {tempo}"
     yield f"beside it all, assumed: {beside}"
+    if lesson.rehearses and "rehearse" not in lesson.layout.headers:
+        yield "rehearse, assumed: ways of the hands round the body are tried out before the run"
     for key, (value, raw) in lesson.layout.headers.items():
         if key != "tempo":
             yield f"{key} (line {raw.line}): {value}"

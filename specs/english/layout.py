@@ -19,7 +19,10 @@ BULLET = re.compile(r"\s*[-*+•·–]\s+")
 HEADING = re.compile(r"\s*#+\s*(.*?)\s*#*\s*$")
 UNDERLINE = re.compile(r"\s*(?:=+|-{3,}|\*{3,}|_{3,})\s*$")
 COMMENT = re.compile(r"<!--.*?-->|(?:^|\s)(?:#|//).*$")
-HEADER = re.compile(r"\s*(title|task|tempo|source|coda|safety)\s*[:=]\s*(.*?)\s*$", re.IGNORECASE)
+YES, NO = ("yes", "true", "on"), ("no", "false", "off")
+HEADER = re.compile(
+    r"\s*(title|task|tempo|source|coda|safety|rehearse)\s*[:=]\s*(.*?)\s*$", re.IGNORECASE
+)
 WORD = re.compile(
     r"\d+(?:\.\d+)?|[^\W\d_]+(?:['’\-][^\W\d_]+)*|[\"“][^\"“”]*[\"”]|\.{3}|[^\s*_`]", re.UNICODE
 )
@@ -127,6 +130,8 @@ def _header(layout: Layout, header: re.Match[str], number: int) -> None:
     elif key == "tempo" and not TEMPO.fullmatch(value):
         said = f"a tempo is a number of beats per minute, such as 'tempo: 103', not {value[:40]!r}"
         layout.problems.append(Problem(said, (raw,)))
+    elif key == "rehearse" and value.lower() not in YES + NO:
+        layout.problems.append(Problem(f"'rehearse' is yes or no, not {value[:40]!r}", (raw,)))
     else:
         tempo = TEMPO.fullmatch(value)
         layout.headers[key] = tempo[1] if key == "tempo" and tempo else value, raw

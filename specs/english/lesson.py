@@ -7,7 +7,7 @@ from typing import Any
 
 from specs.english.context import Context
 from specs.english.doing import Stages
-from specs.english.layout import Layout, lay_out
+from specs.english.layout import YES, Layout, lay_out
 from specs.english.lexing import words_of
 from specs.english.meaning import stages_of
 from specs.english.parsing import parse
@@ -66,9 +66,16 @@ class Lesson:
                 data[key] = _value(headers[key][0])
         if self.tempo is not None:
             data["tempo"] = self.tempo
+        data["rehearse"] = self.rehearses
         data["background"] = [dict(entry) for entry in vocabulary().defaults["background"]]
         data["subtasks"] = [step.own for step in self.sequence.steps]
         return Document(data, self.file, dict(self._positions()))
+
+    @property
+    def rehearses(self) -> bool:
+        """Whether ways of the hands are to be found by rehearsal."""
+        said = self.layout.headers.get("rehearse")
+        return said[0].lower() in YES if said else bool(vocabulary().defaults["rehearse"])
 
     def _positions(self) -> Iterator[tuple[Path_, Position]]:
         yield (), Position(1, 1)
