@@ -437,6 +437,8 @@ def _path(option: str, given: str | None) -> Path | None:
 
 
 def _refuse(problem: Exception | str) -> NoReturn:
-    """One clear message, exit code 2."""
+    """One clear message, exit code 2; the line of the file that it is about stands below it."""
     typer.echo(f"adonis: {problem}", err=True)
+    if excerpt := getattr(problem, "excerpt", ""):
+        typer.echo(excerpt, err=True)
     sys.exit(BAD_INPUT)

@@ -28,7 +28,7 @@ from primitives import (
 )
 from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
-from specs import SubTask, TaskSpec, task_from_text
+from specs import SubTask, TaskGraph, TaskSpec, build_graph, task_from_text
 
 FloatArray = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
             only primitives that are installed.
     """
     task = task_from_text(str(recording.about["task"]))[0] if spec is None else spec
-    names = BodyMap.model_validate(recording.about["body_map"])
+    names, graph = BodyMap.model_validate(recording.about["body_map"]), build_graph(task)
     measuring = _Measuring(recording, names)
     spans = {s.name: s for s in recording.spans}
     verdicts = []
@@ -67,9 +67,9 @@ def judge(recording: Recording, spec: TaskSpec | None = None) -> Judgement:
         span = spans.get(subtask.name, Span(subtask.name, np.nan, np.nan, "pending"))
         measures: tuple[Measure, ...] = ()
         if _had_a_goal(subtask, span):
-            measures = tuple(measuring.subtask(subtask, span, task, spans))
+            measures = tuple(measuring.subtask(subtask, span, graph, spans))
         verdicts.append(Verdict(subtask, span, measures))
-    return Judgement(tuple(verdicts), tuple(measuring.checks(task, spans)), recording.complete)
+    return Judgement(tuple(verdicts), tuple(measuring.checks(graph, spans)), recording.complete)
 
 
 def torque_steps(recording: Recording, limits: FloatArray) -> FloatArray:
@@ -95,18 +95,19 @@ class _Measuring:
     # --- sub-tasks -------------------------------------------------------------------------
 
     def subtask(
-        self, subtask: SubTask, span: Span, task: TaskSpec, spans: dict[str, Span]
+        self, subtask: SubTask, span: Span, graph: TaskGraph, spans: dict[str, Span]
     ) -> list[Measure]:
         end = self.recording.row(span.end)
-        held = max(self.recording.row(self._claimed_again(subtask, task, spans)), end)
+        held = max(self.recording.row(self._claimed_again(subtask, graph.spec, spans)), end)
         does = subtask.does
         if isinstance(does, GoToPoint):
             return self._reach(does, end, held)
         if isinstance(does, GetPosture):
             return self._posture(does, end, held)
         if isinstance(does, Oscillate):
-            return self._rhythm(does, span.start, span.end, task, does.joints)
-        return self._aim(does, span, end, held, task.duration(subtask))
+            paced = graph.paced(does, graph.planned[subtask.name][0], graph.lasts(subtask.name))
+            return self._rhythm(paced, span.start, span.end, does.joints)
+        return self._aim(does, span, end, held, graph.lasts(subtask.name))
 
     def _aim(
         self, does: Primitive, span: Span, end: int, held: int, duration: float
@@ -218,14 +219,14 @@ class _Measuring:
         return Measure("joint angles", off[worst], ANGLE, "deg", worst)
 
     def _rhythm(
-        self, does: Oscillate, start: float, end: float, task: TaskSpec, joints: Iterable[str]
+        self, does: Oscillate, start: float, end: float, joints: Iterable[str]
     ) -> list[Measure]:
         """Its swinging joints. One that listens to the limb swings as the limb would."""
         if does.feedback:
             return []
         angles = {joint: self.replay.angle(joint) for joint in does.joints}
         measures = []
-        for rhythm in asked_rhythms(does, task.tempo, start, end):
+        for rhythm in asked_rhythms(does, start, end):
             found = off_rhythm(does, rhythm, self.recording.time, angles)
             for what, off, limit, unit in zip(
                 ("frequency", "amplitude", "lag"),
@@ -262,8 +263,8 @@ class _Measuring:
 
     # --- all the time ----------------------------------------------------------------------
 
-    def checks(self, task: TaskSpec, spans: dict[str, Span]) -> list[Measure]:
-        recording = self.recording
+    def checks(self, graph: TaskGraph, spans: dict[str, Span]) -> list[Measure]:
+        recording, task = self.recording, graph.spec
         deepest = self.replay.penetration
         limits = self.replay.torque_limits()
         share = np.abs(recording.torque) / limits
@@ -285,7 +286,7 @@ class _Measuring:
                 "of the limit",
                 f"{self.replay.joint_of_dof(int(dof))} at {recording.time[row]:.2f} s",
             ),
-            self._hand_over(task, spans, limits),
+            self._hand_over(graph, spans, limits),
         ]
         taken = {j for s in task.subtasks for j in self._joints(claimed(s))}
         moved = taken | {j for s in (*task.background, *task.subtasks) for j in swinging(s.does)}
@@ -306,21 +307,21 @@ class _Measuring:
             if isinstance(beside.does, Oscillate):
                 free = [j for j in beside.does.joints if j not in taken]
                 whole = float(recording.time[0]), float(recording.time[-1])
-                seen = self._rhythm(beside.does, *whole, task, free)
+                seen = self._rhythm(graph.paced(beside.does), *whole, free)
                 checks += [replace(m, what=f"{beside.name}: {m.what}") for m in seen]
         return checks
 
-    def _hand_over(self, task: TaskSpec, spans: dict[str, Span], limits: FloatArray) -> Measure:
+    def _hand_over(self, graph: TaskGraph, spans: dict[str, Span], limits: FloatArray) -> Measure:
         """Largest torque step in 2 ms, of the joints that are being handed over."""
         recording = self.recording
         steps = torque_steps(recording, limits)
         worst = Measure("hand-over torque step", 0.0, HAND_OVER_STEP, "of the limit in 2 ms")
-        for subtask in task.subtasks:
+        for subtask in graph.spec.subtasks:
             span = spans.get(subtask.name)
             if span is None or not np.isfinite(span.start):
                 continue
             dofs = [self.replay.dof(j) for j in self._joints(claimed(subtask))]
-            window = steps[hand_over_rows(recording, span, task.fade(subtask)), dofs]
+            window = steps[hand_over_rows(recording, span, graph.fade(subtask.name)), dofs]
             if window.size == 0:
                 continue
             row, column = np.unravel_index(np.argmax(window), window.shape)

@@ -28,7 +28,7 @@ from sim import (
     render_filmstrip,
     render_video,
 )
-from specs import TaskSpec
+from specs import TaskSpec, build_graph
 
 
 @dataclass(frozen=True)
@@ -208,12 +208,10 @@ def clearance(recording: Recording, spec: TaskSpec) -> Closest:
 
 def filmstrip_frames(recording: Recording, spec: TaskSpec) -> list[Frame]:
     """One frame for each sub-task, at its end; the last row if it came to none."""
-    subtasks = {s.name: s for s in spec.subtasks}
-    frames = []
+    graph, frames = build_graph(spec), []
     for number, span in enumerate(sorted_spans(recording), start=1):
-        subtask = subtasks[span.name]
-        said = subtask.words or subtask.name
-        trail = spec.duration(subtask)
+        said = graph.subtasks[span.name].words or span.name
+        trail = graph.lasts(span.name)
         end = span.end if np.isfinite(span.end) else float(recording.time[-1])
         frames.append(Frame(end, f"{number}  {said}", trail))
     return frames or [Frame(float(recording.time[-1]), "the end")]

@@ -109,7 +109,7 @@ class GetPosture(Primitive):
         if isinstance(posture, str):
             angles = body.posture(posture).copy()
         else:
-            angles = _said(body, self.limb, tuple(posture.items())).copy()
+            angles = said_angles(body, self.limb, tuple(posture.items())).copy()
         missing = [body.dof_name(int(d)) for d in claims if np.isnan(angles[d])]
         if missing:
             raise PrimitiveError(
@@ -140,10 +140,20 @@ def _hand_goal(body: Body, arm: Arm, postures: FloatArray) -> HandGoal:
 
 
 @lru_cache(maxsize=4096)
-def _said(
+def said_angles(
     body: Body, limb: str | None, words: tuple[tuple[str, float | Direction], ...]
 ) -> FloatArray:
-    """Angles (nv,) [rad] of a posture said part by part; NaN where it says nothing."""
+    """Angles (nv,) [rad] of a posture said part by part; NaN where it says nothing.
+
+    Args:
+        body: where its names are looked up.
+        limb: the arm that it is of; None for a posture of joints alone.
+        words: the parts and what is said of each, see `Posture`.
+
+    Raises:
+        BodyError: a name that the body lacks, or nothing within the joint limits comes near.
+        PrimitiveError: a part that means nothing here, or that is given twice.
+    """
     said = dict(words)
     about_arm = {part: said.pop(part) for part in ARM_PARTS if part in said}
     angles, given = np.full(body.nv, np.nan), dict[int, str]()

@@ -5,6 +5,7 @@ For waving, nodding, bouncing, swaying: an oscillator moves the equilibrium of a
 moves the equilibrium of whatever else holds them, so that a rhythm can go on beside a movement.
 """
 
+from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -24,6 +25,7 @@ from sim import Body
 Oscillator = Literal["sine", "hopf", "matsuoka"]
 KINDS: dict[Oscillator, int] = {"sine": SINE, "hopf": HOPF, "matsuoka": MATSUOKA}
 FASTEST = 0.1  # cycles per time step of the physics
+ROUNDING = 1e-9  # what changes this much later changes now [cycles, beats]
 ITS_OWN = ("feedback", "coupling")  # what a sine does not have
 
 
@@ -84,13 +86,12 @@ class Oscillate(Primitive):
             )
         return self
 
-    def at_tempo(self, tempo: float) -> Self:
+    def at_tempo(self, tempo: float, changes: Sequence[tuple[float, float]] = ()) -> Self:
         """See `Primitive.at_tempo`."""
-        own = {"frequency": _hertz(self, tempo), "beats_per_cycle": None}
-        then = tuple(
-            TempoChange(cycle=change.cycle, frequency=_hertz(change, tempo)) for change in self.then
-        )
-        return self.model_copy(update=own | {"then": then})
+        (_, frequency), *later = _in_hertz(self, [(0.0, tempo), *changes])
+        then = tuple(TempoChange(cycle=cycle, frequency=pace) for cycle, pace in later)
+        own = {"frequency": frequency, "beats_per_cycle": None, "then": then}
+        return self.model_copy(update=own)
 
     def bind(self, body: Body, duration: float) -> "RhythmField":
         """See `Primitive.bind`."""
@@ -229,8 +230,33 @@ def _check_pace(frequency: float | None, beats_per_cycle: float | None) -> None:
         raise ValueError("give either frequency or beats_per_cycle")
 
 
-def _hertz(pace: Oscillate | TempoChange, tempo: float) -> float | None:
+def _in_hertz(does: Oscillate, tempos: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Its paces, and the cycle from which each holds, at tempos that hold from a beat on [Hz]."""
+    paces: list[tuple[float, Oscillate | TempoChange]]
+    paces = [(0.0, does), *((change.cycle, change) for change in does.then)]
+    found: list[tuple[float, float]] = []
+    beat = cycle = 0.0
+    while True:
+        tempo, pace = tempos[0][1], paces[0][1]
+        frequency = _hertz(pace, tempo)
+        if not found or frequency != found[-1][1]:
+            found.append((cycle, frequency))
+        per_beat = frequency * 60.0 / tempo  # cycles
+        left = [(paces[1][0] - cycle) / per_beat] if paces[1:] else []
+        left += [tempos[1][0] - beat] if tempos[1:] else []
+        if not left:
+            return found
+        passed = min(left)
+        beat, cycle = beat + passed, cycle + passed * per_beat
+        if paces[1:] and paces[1][0] <= cycle + ROUNDING:
+            paces, cycle = paces[1:], paces[1][0]
+        if tempos[1:] and tempos[1][0] <= beat + ROUNDING:
+            tempos, beat = tempos[1:], tempos[1][0]
+
+
+def _hertz(pace: Oscillate | TempoChange, tempo: float) -> float:
     """Its frequency [Hz] at a tempo [beats/min]."""
-    if pace.beats_per_cycle is None:
-        return pace.frequency
-    return tempo / (60.0 * pace.beats_per_cycle)
+    if pace.beats_per_cycle is not None:
+        return tempo / (60.0 * pace.beats_per_cycle)
+    assert pace.frequency is not None, "it has one or the other"
+    return pace.frequency

@@ -4,6 +4,7 @@ from sim.bodies import BODIES, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
 from sim.errors import BodyError, Diverged, NoDisplay, RecordingError, SimError, unknown
+from sim.extending import extended, halfway
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
 from sim.motions import Motion, inverse_dynamics, site_paths, straight_motion
@@ -52,7 +53,9 @@ __all__ = [
     "World",
     "adonis",
     "carrier",
+    "extended",
     "find_gaze",
+    "halfway",
     "inertias",
     "inverse_dynamics",
     "joint_inertia",
