@@ -1,31 +1,17 @@
-"""The command line: `adonis run`, `check`, `compare`, `graph`, `list`, `trials`, `bench`."""
+"""The command line: one function for each command of `adonis`."""
 
+import json
 import os
 import sys
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
-from typer.core import TyperGroup
+
+from adonis.commands import BAD_INPUT, FAILED, INTERRUPTED, Commands, Format, Start, Written
 
 if TYPE_CHECKING:
     from specs import BoundTask, Document, TaskSpec
-
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
-
-
-class Commands(TyperGroup):
-    """The commands; Ctrl-C ends any of them with one word and the code that shells use."""
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command that was asked for."""
-        try:
-            return super().invoke(ctx)
-        except KeyboardInterrupt:
-            typer.echo("adonis: interrupted", err=True)
-            sys.exit(INTERRUPTED)
-
 
 app = typer.Typer(
     cls=Commands,
@@ -53,21 +39,6 @@ PrimitivesOption = Annotated[
         help="Python file (or module) whose primitives the task may use; may be repeated.",
     ),
 ]
-
-
-class Start(StrEnum):
-    """Where a run begins."""
-
-    home = "home"
-    random = "random"
-
-
-class Format(StrEnum):
-    """How a graph is printed."""
-
-    mermaid = "mermaid"
-    dot = "dot"
-    json = "json"
 
 
 @app.command()
@@ -226,6 +197,29 @@ def list_all(primitives: PrimitivesOption = None) -> None:
 
 
 @app.command()
+def schema(
+    style: Annotated[Written, typer.Option("--format", help="How to print it.")] = Written.json,
+    primitives: PrimitivesOption = None,
+) -> None:
+    """Print the JSON Schema of task files, with which an editor completes and checks them.
+
+    The comment [bold]# yaml-language-server: $schema=FILE[/bold] at the top of a task tells it to.
+    """
+    from specs import SHIPPED_SCHEMA, SpecError, reference, task_schema
+
+    try:
+        made = task_schema(_classes(primitives))
+    except SpecError as problem:
+        _refuse(problem)
+    if style is Written.markdown:
+        typer.echo(reference(made), nl=False)
+        return
+    typer.echo(json.dumps(made, indent=1, ensure_ascii=False))
+    file = "task.schema.json" if primitives else SHIPPED_SCHEMA
+    typer.echo(f"In a task: # yaml-language-server: $schema={file}", err=True)
+
+
+@app.command()
 def trials(
     task: TaskArgument,
     out: Annotated[
@@ -345,8 +339,6 @@ def bench(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions.")] = False,
 ) -> None:
     """Measure what control costs on top of bare physics; prints JSON."""
-    import json
-
     from adonis.bench import measure
     from adonis.errors import OutputError
     from adonis.reporting import prepare_file, write_text

@@ -42,7 +42,7 @@ class ViaPosture(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    posture: Posture
+    posture: Posture  # a name, or what to do with each part of an arm and each joint
     at: Share | None = None  # when, as a share of the movement; evenly spread by default
     pulse: Positive = 0.5  # size of its pulse (torque-field): at 0.5 it peaks at a step's weight
 
@@ -51,10 +51,11 @@ class GetPosture(Primitive):
     """Bring a limb or joints into a posture and hold them there."""
 
     kind: Literal["get-posture"] = "get-posture"
-    controller: Controller = "pd-servo"
+    controller: Controller = "pd-servo"  # how it makes torque: see docs/controllers.md
     limb: str | None = None  # an arm of the body, or
     joints: tuple[str, ...] | None = None  # joints and joint groups; `all` is every joint
-    posture: Posture
+    posture: Posture  # a name, or what to do with each part of an arm and each joint
+    # postures on the way
     via: Annotated[tuple[ViaPosture, ...], Parameter(max_length=MOST_KNOTS - 2)] = ()
     profile: Profile | None = None  # of the set point; default: what suits the controller
     travel: Annotated[float, Parameter(gt=0, le=1)] = 1.0  # share of the time it moves

@@ -45,7 +45,7 @@ class TempoChange(BaseModel):
 
     cycle: Positive  # how many cycles have passed by then
     frequency: Positive | None = None  # [Hz]
-    beats_per_cycle: Positive | None = None
+    beats_per_cycle: Positive | None = None  # at the tempo of the task
 
     @model_validator(mode="after")
     def _one_pace(self) -> Self:
@@ -57,15 +57,15 @@ class Oscillate(Primitive):
     """Swing joints about a centre, in a rhythm."""
 
     kind: Literal["oscillate"] = "oscillate"
-    joints: Annotated[dict[str, Swing], Parameter(min_length=1)]
+    joints: Annotated[dict[str, Swing], Parameter(min_length=1)]  # each that swings
     frequency: Positive | None = None  # [Hz], or
     beats_per_cycle: Positive | None = None  # at the task's tempo
-    then: tuple[TempoChange, ...] = ()
+    then: tuple[TempoChange, ...] = ()  # other paces later
     phase: Annotated[float, Parameter(ge=-360, le=360)] = 0.0  # at the beginning [deg]
     centre: str | dict[str, float] | None = None  # posture, or degrees; default: where they are
     ease: NonNegative = 0.5  # cycles in which the swing grows, and dies away before the end
     claims: bool = True  # whether it holds its joints, or moves the equilibrium of what does
-    oscillator: Oscillator = "sine"
+    oscillator: Oscillator = "sine"  # what keeps the rhythm
     feedback: NonNegative = 0.0  # of the joint to its oscillator; 0: it does not listen
     coupling: Annotated[float, Parameter(ge=0, lt=1)] = 0.5  # how firmly joints keep their lags
     stiffness: Positive | None = None  # of the joint springs [N m/rad]; default: the body's

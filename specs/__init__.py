@@ -10,10 +10,13 @@ from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
 from specs.groups import Group
 from specs.loading import library, load_task, task_from_text
 from specs.reading import Document
+from specs.reference import reference
+from specs.schema import SHIPPED_SCHEMA, task_schema
 from specs.task import Background, SubTask, TaskSpec, with_tempo
 from specs.writing import task_to_yaml
 
 __all__ = [
+    "SHIPPED_SCHEMA",
     "Background",
     "BoundTask",
     "Condition",
@@ -34,7 +37,9 @@ __all__ = [
     "load_task",
     "load_variant",
     "primitives_in",
+    "reference",
     "task_from_text",
+    "task_schema",
     "task_to_yaml",
     "to_dot",
     "to_json",

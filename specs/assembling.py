@@ -4,7 +4,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from specs.errors import Position
-from specs.reading import DEEPEST, MOST_VALUES, Document, Path_
+from specs.reading import DEEPEST, Document, Path_
+
+MOST_PUT_IN = 50_000  # values that fragments and includes may add to what is written
 
 
 class Assembly:
@@ -20,7 +22,7 @@ class Assembly:
         self.positions: dict[Path_, Position] = {}
         self.keys: dict[Path_, Position] = {}
         self.lines = dict(task.lines)
-        self._count = 0
+        self._left = len(task.positions) + MOST_PUT_IN
 
     def document(self) -> Document:
         """The whole."""
@@ -33,9 +35,9 @@ class Assembly:
         Raises:
             SpecError: that are too many values.
         """
-        self._count += 1
-        if self._count > MOST_VALUES:
-            said = f"more than {MOST_VALUES} values once fragments and includes are put in"
+        self._left -= 1
+        if self._left < 0:
+            said = f"more than {MOST_PUT_IN} values come from fragments and includes"
             raise source.error(said, old)
         for known, found in ((source.positions, self.positions), (source.keys, self.keys)):
             if old in known:

@@ -23,7 +23,7 @@ class _Part(BaseModel):
 class Condition(_Part):
     """An event from outside, or a hand near a landmark."""
 
-    event: Name | None = None
+    event: Name | None = None  # it has been sent from outside
     near: str | None = None  # a landmark
     limb: str | None = None  # the arm whose palm is to be near
     distance: Positive | None = None  # [m]
@@ -73,7 +73,7 @@ class Join(_Part):
 class Repeat(_Part):
     """How often a sub-task is done over: until a condition holds at the end of a round."""
 
-    until: Condition
+    until: Condition  # that holds at the end of a round
     times: Times  # at most
 
 

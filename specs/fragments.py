@@ -32,6 +32,7 @@ from specs.references import References, Surroundings, Used
 from specs.validating import validate
 
 Parameter = Annotated[str, Field(pattern=r"^[a-z_][a-z0-9_]*$", max_length=100)]
+MOST_SUBTASKS = 5_000  # that a task has where a fragment is put in
 LONGEST = 10_000  # characters of a text with arguments
 WHOLE = re.compile(r"\$(?:([a-z_][a-z0-9_]*)|\{([a-z_][a-z0-9_]*)\})")
 
@@ -50,8 +51,8 @@ class Use(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    name: Name
-    fragment: Name
+    name: Name  # its sub-tasks are called NAME.a, NAME.b …
+    fragment: Name  # which of the fragments
     with_: Annotated[dict[Parameter, Any], Field(alias="with")] = {}  # parameter: argument
     after: tuple[Name, ...] | Join | None = None  # what must be over before; default: one above
 
@@ -121,7 +122,8 @@ class _Expansion:
 
     def _put_in(self, items: Sequence[Any], path: Path_, scope: Scope) -> Used:
         """Add the sub-tasks of a list, those of fragments among them."""
-        spared = {item.get("otherwise") for item in items if isinstance(item, dict)}
+        otherwise = [item.get("otherwise") for item in items if isinstance(item, dict)]
+        spared = {name for name in otherwise if isinstance(name, str)}
         found = Used([], [])
         above: str | None = None
         followed = set().union(*(_names_in(i.get("after")) for i in items if isinstance(i, dict)))
@@ -190,6 +192,9 @@ class _Expansion:
             raise seen.error(said, (*here, "fragment"))
         if len(within) > DEEPEST:
             said = f"fragments within fragments, deeper than {DEEPEST} levels"
+            raise seen.error(said, (*here, "fragment"))
+        if len(self.items) > MOST_SUBTASKS:
+            said = f"more than {MOST_SUBTASKS} sub-tasks come from fragments"
             raise seen.error(said, (*here, "fragment"))
         inner = Scope(
             prefix=f"{scope.prefix}{use.name}.",

@@ -12,7 +12,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from specs.errors import Position, SpecError, excerpt_of
 
 MOST_BYTES = 8_000_000
-MOST_VALUES = 500_000  # after aliases are followed: a bomb of them expands no further
+MOST_ALIASED = 50_000  # values that come from aliases: a bomb of them expands no further
 DEEPEST = 40
 BREAK = re.compile("\r\n|[\r\n\x85\u2028\u2029]")
 
@@ -93,6 +93,7 @@ def read_text(text: str, file: str, folder: Path | None = None) -> Document:
         SpecError: it is not YAML, or uses more of YAML than plain data needs.
     """
     yaml = YAML(typ="safe", pure=True)
+    yaml.composer.warn_double_anchors = False  # an anchor may be given again, as YAML says
     document = Document(None, file, lines={file: _lines(text)}, folder=folder)
     try:
         node = yaml.compose(text)
@@ -116,14 +117,17 @@ class _Builder:
 
     def __init__(self, yaml: YAML, document: Document) -> None:
         self._yaml, self._document = yaml, document
-        self._count = 0
+        self._seen: set[int] = set()  # nodes
+        self._aliased = 0
 
     def build(self, node: Node, path: Path_, depth: int) -> Any:
         document = self._document
         document.positions[path] = self._position(node)
-        self._count += 1
-        if self._count > MOST_VALUES:
-            raise document.error(f"more than {MOST_VALUES} values once its aliases are followed")
+        if id(node) in self._seen:
+            self._aliased += 1
+            if self._aliased > MOST_ALIASED:
+                raise document.error(f"more than {MOST_ALIASED} values come from aliases", path)
+        self._seen.add(id(node))
         if depth > DEEPEST:
             raise document.error(f"nested deeper than {DEEPEST} levels", path)
         if isinstance(node, MappingNode):

@@ -93,7 +93,7 @@ class References:
         if not isinstance(names, list):
             return names
         for j, name in enumerate(names):
-            use = self.used.get(self._full(name, around))
+            use = self._use(self._full(name, around))
             if place[-1] != "all" and use is not None and len(use.ends) > 1:
                 raise self.made.document().error(
                     f"{name!r} ends with several sub-tasks ({', '.join(use.ends)}): name those"
@@ -108,7 +108,7 @@ class References:
         places = [self.made.positions.pop((*place, j), None) for j in range(len(names))]
         for name, where in zip(names, places, strict=True):
             full = self._full(name, around)
-            use = self.used.get(full)
+            use = self._use(full)
             added = [full] if use is None else use.ends if ends else use.leaves
             for one in added:
                 if where is not None:
@@ -119,8 +119,11 @@ class References:
     def _first(self, name: Any, around: str) -> Any:
         """The full name; of a fragment that of its first sub-task."""
         full = self._full(name, around)
-        use = self.used.get(full)
+        use = self._use(full)
         return full if use is None or not use.leaves else use.leaves[0]
+
+    def _use(self, full: Any) -> Used | None:
+        return self.used.get(full) if isinstance(full, str) else None
 
     def _full(self, name: Any, around: str) -> Any:
         """The full name of what is meant, from the inside out; what is unknown stays as it is."""

@@ -26,7 +26,7 @@ class _Doing(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True
     )
 
-    name: Name
+    name: Name  # what it is called
     does: SerializeAsAny[Primitive]
 
 
@@ -127,8 +127,8 @@ class TaskSpec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    task: Name
-    title: str = ""
+    task: Name  # what it is called
+    title: str = ""  # the same for people
     source: str = ""  # where the words come from
     tempo: Tempo = 60.0  # beats per minute
     tempo_map: Annotated[tuple[TempoStep, ...], Field(max_length=MOST_STEPS)] = ()  # later tempos
@@ -140,6 +140,7 @@ class TaskSpec(BaseModel):
     postures: dict[Name, NamedPosture] = {}  # of this task, beside the body's
     background: tuple[Background, ...] = ()  # what is on all the time
     groups: tuple[Group, ...] = ()  # what is combined by another rule than the sum
+    # what is done, one after the other unless `after` says otherwise
     subtasks: Annotated[tuple[SubTask, ...], Field(min_length=1)]
 
 
