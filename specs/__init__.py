@@ -5,6 +5,7 @@ from specs.binding import BoundTask, bind_task
 from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
 from specs.doubting import doubts
+from specs.editing import set_values, write_back
 from specs.errors import Position, SpecError
 from specs.graph import TaskGraph, build_graph, to_dot, to_json, to_mermaid
 from specs.groups import Group
@@ -38,6 +39,7 @@ __all__ = [
     "load_variant",
     "primitives_in",
     "reference",
+    "set_values",
     "task_from_text",
     "task_schema",
     "task_to_yaml",
@@ -47,4 +49,5 @@ __all__ = [
     "with_controller",
     "with_parameter",
     "with_tempo",
+    "write_back",
 ]

@@ -66,6 +66,7 @@ class Scope:
     arguments: Mapping[str, tuple[Any, Path_]] = field(default_factory=dict)  # and their places
     before: Any = None  # what the fragment as a whole comes after
     before_in: str = ""  # and where those names are looked up
+    before_at: Path_ = ()  # and where they stand
     spared: bool = False  # whether it begins instead of something else
 
 
@@ -145,6 +146,9 @@ class _Expansion:
                     item["after"], after_in = ends, ""
             elif scope.before is not None and (default or item.get("after") == []):
                 item["after"], after_in = scope.before, scope.before_in
+                if scope.before_at:
+                    place = (*here, "after")
+                    made.mark_all(self.document, scope.before_at, place, scope.before)
             elif scope.spared and item.get("after") == []:
                 said = f"{short}: its fragment begins instead of something: name what this is after"
                 raise self.document.error(said, (*path, i, "after"))
@@ -196,12 +200,15 @@ class _Expansion:
         if len(self.items) > MOST_SUBTASKS:
             said = f"more than {MOST_SUBTASKS} sub-tasks come from fragments"
             raise seen.error(said, (*here, "fragment"))
+        written = (*place, "after") in self.document.positions
+        before_at = (*place, "after") if written else scope.before_at
         inner = Scope(
             prefix=f"{scope.prefix}{use.name}.",
             fragments=within,
             arguments=self._arguments(use, place, scope, seen, here),
             before=item.get("after"),
             before_in=around.after,
+            before_at=before_at,
             spared=spared,
         )
         subtasks = self.document.data["fragments"][use.fragment]["subtasks"]
@@ -248,6 +255,8 @@ class _Expansion:
         if (whole := known.get(_parameter(text))) is not None:
             value, origin = whole
             made.mark_all(self.document, origin, new, value)
+            if old in self.document.keys:  # its key is that of the fragment
+                made.keys[new] = self.document.keys[old]
             return value
         made.mark(self.document, old, new)
         template = Template(text)

@@ -50,20 +50,20 @@ class TaskGraph:
     def timing(self) -> "Timing":
         """When what is planned, all on time and no branch left out.
 
-        The tempo may change where a sub-task begins, which depends on the tempo before: each
-        round of planning settles the next change at least.
+        The tempo may change where a sub-task begins, which depends on the tempo before: of the
+        changes that are not settled yet the earliest is where it seems to be.
         """
-        steps = self.spec.tempo_map
-        named = [step.subtask for step in steps if step.subtask is not None]
-        begins: dict[str, float] = {}
-        for _ in range(len(named) + 1):
-            clock = clock_of(self.spec.tempo, steps, begins)
+        left = {step.subtask for step in self.spec.tempo_map if step.subtask is not None}
+        begins: dict[str, float] = {}  # at which beat
+        while True:
+            clock = clock_of(self.spec.tempo, self.spec.tempo_map, begins)
             timing = self._plan(clock)
-            found = {name: clock.beat(timing.planned[name][0]) for name in named}
-            if found == begins:
-                break
-            begins = found
-        return timing
+            if not left:
+                return timing
+            first = min(timing.planned[name][0] for name in left)
+            now = {name for name in left if timing.planned[name][0] == first}
+            begins |= dict.fromkeys(now, clock.beat(first))
+            left -= now
 
     @property
     def planned(self) -> dict[str, tuple[float, float]]:
@@ -149,6 +149,10 @@ def build_graph(spec: TaskSpec, document: Document | None = None) -> TaskGraph:
             place = ("subtasks", i, OTHERWISE)
             _join(graph, names, subtask.name, then, OTHERWISE, document, place)
         previous = subtask
+    for i, step in enumerate(spec.tempo_map):
+        if step.subtask is not None and step.subtask not in names:
+            place = ("tempo_map", i, "subtask")
+            raise document.error(unknown("sub-task", step.subtask, names), place)
     if not nx.is_directed_acyclic_graph(graph):
         cycle = [a for a, _ in nx.find_cycle(graph)]
         shown = " -> ".join([*cycle, cycle[0]])

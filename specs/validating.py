@@ -9,6 +9,7 @@ from sim import unknown
 from specs.blame import told
 from specs.conditions import Condition, Join, Repeat
 from specs.reading import Document, Path_
+from specs.task import keys_of
 
 Model = TypeVar("Model", bound=BaseModel)
 PARTS: dict[str | int, type[BaseModel]] = {  # what stands below a key of a sub-task
@@ -82,7 +83,7 @@ def _said(problem: dict[str, Any], place: Path_, model: type[BaseModel]) -> str:
     if kind == "extra_forbidden":
         inner = [PARTS[step] for step in loc[:-1] if step in PARTS]
         around = model if len(loc) == 1 else inner[-1] if inner else None
-        return unknown("key", loc[-1], around.model_fields if around else ())
+        return unknown("key", loc[-1], keys_of(around) if around else ())
     if kind == "missing":
         return f"{loc[-1]!r} is missing"
     if kind in ("value_error", "assertion_error"):

@@ -34,8 +34,20 @@ from specs import (
 SLOWEST = 1.0  # processor time for one file [s]
 MOST_MEMORY = 600_000  # that a process may grow by [kB]
 BIND_EVERY = 10  # files; to bind takes longer than to read
-FORBIDDEN = ("exec", "compile", "import", "os.system", "os.exec", "os.posix_spawn", "os.fork",
-             "subprocess.Popen", "socket.connect", "ctypes.dlopen", "shutil.rmtree", "os.remove")  # fmt: skip
+FORBIDDEN = (
+    "exec",
+    "compile",
+    "import",
+    "os.system",
+    "os.exec",
+    "os.posix_spawn",
+    "os.fork",
+    "subprocess.Popen",
+    "socket.connect",
+    "ctypes.dlopen",
+    "shutil.rmtree",
+    "os.remove",
+)
 
 PARTS = """\
 # What several tasks share.
@@ -80,19 +92,94 @@ subtasks:
     timeout: 2
     otherwise: home
   - {name: home, primitive: get-posture, limb: right_arm, posture: ready, seconds: 0x10}
-  - {name: sway, primitive: oscillate, joints: {waist_x: {amplitude: 8}}, beats_per_cycle: 2, beats: 4, repeat: 2}
+  - {name: sway, primitive: oscillate, joints: {waist_x: {amplitude: 8}}, beats_per_cycle: 2,
+     beats: 4, repeat: 2}
 """
 TOKENS = [
-    "{", "}", "[", "]", ":", "-", "&a ", "*a", "&p ", "*p", "!!int ", "!!python/object/apply:os.system ",
-    "!!binary ", "null", ".nan", "-1", "1e999", "-.inf", "''", "|\n", "\t", "\n", "  ", "#", "%", "@",
-    "right_arm", "to", "via", "after", "primitive", "0x10", "\x07", "- name: x\n", "~", "2026-11-22", "yes",
-    "<<: ", "? ", ">", "é", "💃", "\x85", "\u2028", "\ufeff", "---\n", "...\n", "%YAML 1.1\n", "1_000", "1:30",
-    "$limb", "${place}", "$$", "$", "$__class__", "{{7*7}}", "__import__('os')", "fragment: both", "with: ",
-    "include: [../secret.yaml]", "include: [link.yaml]", "include: [loop.yaml]", "include: [/etc/passwd]",
-    "parts/../../secret.yaml", "linked/secret.yaml", "link.yaml", "loop.yaml", "/dev/zero", "parts", ".",
-    "from: ready", "between: [heart, nose]", "subtask: nod", "beat: 1e9", "repeat: 1000000", "9" * 400,
-    "a" * 3000, "[" * 60, "{a: " * 60, "tempo: 1000", "first: [one, two]", "while: one", "otherwise: two",
-]  # fmt: skip
+    "{",
+    "}",
+    "[",
+    "]",
+    ":",
+    "-",
+    "&a ",
+    "*a",
+    "&p ",
+    "*p",
+    "!!int ",
+    "!!python/object/apply:os.system ",
+    "!!binary ",
+    "null",
+    ".nan",
+    "-1",
+    "1e999",
+    "-.inf",
+    "''",
+    "|\n",
+    "\t",
+    "\n",
+    "  ",
+    "#",
+    "%",
+    "@",
+    "right_arm",
+    "to",
+    "via",
+    "after",
+    "primitive",
+    "0x10",
+    "\x07",
+    "- name: x\n",
+    "~",
+    "2026-11-22",
+    "yes",
+    "<<: ",
+    "? ",
+    ">",
+    "é",
+    "💃",
+    "\x85",
+    "\u2028",
+    "\ufeff",
+    "---\n",
+    "...\n",
+    "%YAML 1.1\n",
+    "1_000",
+    "1:30",
+    "$limb",
+    "${place}",
+    "$$",
+    "$",
+    "$__class__",
+    "{{7*7}}",
+    "__import__('os')",
+    "fragment: both",
+    "with: ",
+    "include: [../secret.yaml]",
+    "include: [link.yaml]",
+    "include: [loop.yaml]",
+    "include: [/etc/passwd]",
+    "parts/../../secret.yaml",
+    "linked/secret.yaml",
+    "link.yaml",
+    "loop.yaml",
+    "/dev/zero",
+    "parts",
+    ".",
+    "from: ready",
+    "between: [heart, nose]",
+    "subtask: nod",
+    "beat: 1e9",
+    "repeat: 1000000",
+    "9" * 400,
+    "a" * 3000,
+    "[" * 60,
+    "{a: " * 60,
+    "tempo: 1000",
+    "first: [one, two]",
+    "while: one",
+    "otherwise: two",
+]
 
 
 @dataclass
@@ -171,9 +258,12 @@ def bomb(rng: random.Random) -> str:
                 lines.append(f"  f{k}: {{subtasks: [{uses}]}}")
         case 2 | 3 as kind:
             grown = "$a" * width if kind == 2 else f"[{', '.join(['$a'] * width)}]"
-            lines = ["task: x", f"subtasks: [{{name: u, fragment: f{n}, with: {{a: b}}}}]",
-                     "fragments:",
-                     "  f0: {parameters: {a: }, subtasks: [{name: s, words: $a, primitive: hold}]}"]  # fmt: skip
+            lines = [
+                "task: x",
+                f"subtasks: [{{name: u, fragment: f{n}, with: {{a: b}}}}]",
+                "fragments:",
+                "  f0: {parameters: {a: }, subtasks: [{name: s, words: $a}]}",
+            ]
             for k in range(1, n + 1):
                 use = f"{{name: u, fragment: f{k - 1}, with: {{a: {grown}}}}}"
                 lines.append(f"  f{k}: {{parameters: {{a: }}, subtasks: [{use}]}}")
