@@ -16,7 +16,6 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -288,13 +287,13 @@ def prepare(folder: Path) -> Path:
     return top
 
 
-def fuzz(seed: int, count: int, tell: Callable[[int], None] = lambda _: None) -> Result:
+def fuzz(seed: int, count: int, patience: float) -> Result:
     """Read damaged files.
 
     Args:
         seed: of all that is random.
         count: how many.
-        tell: told how many are done.
+        patience: processor time that each may take [s].
     """
     rng, body, result = random.Random(seed), adonis(), Result()
     texts = [path.read_text(encoding="utf-8") for path in library().values()]
@@ -311,17 +310,18 @@ def fuzz(seed: int, count: int, tell: Callable[[int], None] = lambda _: None) ->
         for number in range(count):
             text = bomb(rng) if rng.random() < 0.01 else mutated(rng, rng.choice(texts))
             file.write_bytes(text.encode("utf-8", "surrogatepass"))
-            one(file, body, result, watch, bind=number % BIND_EVERY == 0)
-            if number % 1000 == 999:
-                tell(number + 1)
+            took = one(file, body, result, watch, bind=number % BIND_EVERY == 0)
+            result.slowest = max(result.slowest, took)
+            if took > patience:
+                result.faults.append(f"{took:.2f} s:\n{text[:3000]}")
         result.grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
     if result.grown > MOST_MEMORY:
         result.faults.append(f"memory grew by {result.grown} kB")
     return result
 
 
-def one(file: Path, body: Body, result: Result, watch: Watch, *, bind: bool) -> None:
-    """Read one file, bind what it says, and write it again."""
+def one(file: Path, body: Body, result: Result, watch: Watch, *, bind: bool) -> float:
+    """Read one file, bind what it says, and write it again; how long reading took [s]."""
     start, watch.on = time.process_time(), True
     try:
         spec, document = load_task(file)
@@ -342,11 +342,9 @@ def one(file: Path, body: Body, result: Result, watch: Watch, *, bind: bool) -> 
     if outcome == "sound" and bind and task_from_text(task_to_yaml(spec))[0] != spec:
         result.faults.append(f"written and read again it is another:\n{file.read_text()}")
     result.outcomes[outcome] += 1
-    result.slowest = max(result.slowest, took)
-    if took > SLOWEST:
-        result.faults.append(f"{took:.2f} s:\n{file.read_text()[:3000]}")
     result.faults += [f"it did: {what}" for what in watch.seen]
     watch.seen.clear()
+    return took
 
 
 def main() -> None:
@@ -355,8 +353,10 @@ def main() -> None:
     options.add_argument("--count", type=int, default=100_000)
     options.add_argument("--processes", type=int, default=2)
     options.add_argument("--seed", type=int, default=0)
+    options.add_argument("--patience", type=float, default=SLOWEST)
     asked = options.parse_args()
-    shares = [(asked.seed + k, asked.count // asked.processes) for k in range(asked.processes)]
+    each = asked.count // asked.processes
+    shares = [(asked.seed + k, each, asked.patience) for k in range(asked.processes)]
     with multiprocessing.get_context("spawn").Pool(asked.processes) as pool:
         results = pool.starmap(fuzz, shares)
     faults = [fault for r in results for fault in r.faults]
