@@ -142,7 +142,7 @@ class _Expansion:
             if default and above is not None:
                 ends = self._ends(scope.prefix + above)
                 followed.add(above)
-                if made is not self.made or ends != [self.items[-1].get("name")]:
+                if made is not self.made or ends != found.leaves[-1:]:
                     item["after"], after_in = ends, ""
             elif scope.before is not None and (default or item.get("after") == []):
                 item["after"], after_in = scope.before, scope.before_in

@@ -112,7 +112,7 @@ class _Including:
         path = document.folder
         for part in given.parts:
             path = path / part
-            if path.is_symlink():
+            if _is_link(path):
                 said = f"{name!r} goes through a symbolic link, which is not followed"
                 raise document.error(said, place)
         return path
@@ -137,3 +137,11 @@ class _Including:
             else:
                 kept[old] = value
             self.made.mark_all(document, (key, old), (key, new), value)
+
+
+def _is_link(path: Path) -> bool:
+    """Whether it is a symbolic link; what cannot even be looked at is refused when it is read."""
+    try:
+        return path.is_symlink()
+    except OSError:
+        return False

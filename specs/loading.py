@@ -37,7 +37,11 @@ def find_task(name: str) -> Path:
     if name in library():
         return library()[name]
     path = Path(name)
-    if not path.exists() and path.suffix not in (".yaml", ".yml"):
+    try:
+        missing = not path.exists()
+    except OSError:  # a name that no file can have
+        missing = True
+    if missing and path.suffix not in (".yaml", ".yml"):
         raise SpecError(f"no such file, and {unknown('task of the library', name, library())}")
     return path
 

@@ -141,6 +141,7 @@ def test_a_fragment_can_begin_instead_of_something() -> None:
          "11:29: a fragment uses itself: both -> both"),
         ("parameters: {place: head.top}", "parameters: {Place: head.top}", "9:25: Place is made"),
         ("parameters: {place: head.top}", "params: {place: head.top}", "9:5: unknown key 'params'"),
+        ("  - {name: nod", "  - - {name: nod", "expected keys and values: name, primitive"),
         ("name: end", "name: one.go", "19:12: the name 'one.go' is used twice (line 6)"),
         ("words: costs $5", "words: costs $5, after: [nine]", "unknown sub-task 'nine'"),
     ],
@@ -233,6 +234,7 @@ def test_definitions_come_from_files_below(folder: Path, body: Body) -> None:
         ("[out/secret.yaml]", "'out/secret.yaml' goes through a symbolic link"),
         ("[parts/none.yaml]", "'parts/none.yaml' cannot be read: No such file"),
         ("[parts]", "'parts' is not a file"),
+        (f"[parts/{'9' * 400}.yaml]", "cannot be read: File name too long"),
         ("[parts/pipe]", "'parts/pipe' is not a file"),
         (
             "[parts/loop.yaml]",

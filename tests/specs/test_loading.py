@@ -205,6 +205,8 @@ def test_a_task_needs_a_name() -> None:
     for name in ("", "  "):
         with pytest.raises(SpecError, match=r"expected a task: a file, or one of .*macarena"):
             load_task(name)
+    with pytest.raises(SpecError, match="no such file, and unknown task of the library"):
+        load_task("a" * 500)
 
 
 TOKENS = [
