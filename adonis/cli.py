@@ -1,12 +1,14 @@
-"""The command line: `adonis run`, `check`, `graph`, `list`, `compare`, `trials`, `bench`."""
+"""The command line: one function for each command of `adonis`."""
 
+import json
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import Annotated
 
 import typer
 
+from adonis.arguments import BAD_INPUT, FAILED, bind, classes, given_path, read, refuse
 from adonis.options import (
     INTERRUPTED,
     AfreshOption,
@@ -18,14 +20,10 @@ from adonis.options import (
     TaskArgument,
     TempoOption,
     WaysOption,
+    Written,
 )
+from adonis.studies import bench, compare, trials
 from adonis.teaching import ExplainOption, print_explanation, translate, words
-
-if TYPE_CHECKING:
-    from specs import BoundTask, Document, TaskSpec
-
-FAILED, BAD_INPUT = 1, 2
-
 
 app = typer.Typer(
     cls=Commands,
@@ -84,8 +82,8 @@ def run(
     from rich.markup import escape
 
     console = Console()
-    wished = _path("--out", out)
-    bound = _bind(
+    wished = given_path("--out", out)
+    bound = bind(
         task, body, tempo, primitives, limits=limits, contacts=contacts, controller=controller
     )
     from adonis.dancing import Stopped, random_start
@@ -107,7 +105,7 @@ def run(
     except (InputError, OutputError, SimError, Stopped) as problem:
         if isinstance(problem, Stopped) and problem.interrupted:
             raise KeyboardInterrupt from None
-        _refuse(problem)
+        refuse(problem)
     print_results(console, results.judgement, spec.title or spec.task)
     for notice in results.notices:
         console.print(f"[yellow]{escape(notice)}[/yellow]", soft_wrap=True)
@@ -142,15 +140,15 @@ def rehearse(
     from adonis.showing import print_rehearsal
     from specs import find_task
 
-    console, wished = Console(), _path("--out", out)
-    bound = _bind(task, body, tempo, primitives)
+    console, wished = Console(), given_path("--out", out)
+    bound = bind(task, body, tempo, primitives)
     file = wished or Path(f"{bound.spec.task}-rehearsed.yaml")
     try:
         prepare_file(file)
         bound, found = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
         write_text(file, task_text(bound.spec, found, find_task(task).read_text()))
     except OutputError as problem:
-        _refuse(problem)
+        refuse(problem)
     print_rehearsal(console, found, file)
     raise typer.Exit(0 if all(way.grade.passes for way in found.values()) else FAILED)
 
@@ -174,15 +172,15 @@ def check(
     from sim import BodyError, load_body
     from specs import SpecError, bind_task, lint_task, refusal
 
-    classes = _classes(primitives)
+    kinds = classes(primitives)
     try:
-        spec, document = _read(task, tempo, classes)
+        spec, document = read(task, tempo, kinds)
         bound = bind_task(spec, load_body(body), document)
     except (BodyError, SpecError) as problem:
         if as_json and isinstance(problem, SpecError):
             typer.echo(findings_json([refusal(problem)]))
             sys.exit(BAD_INPUT)
-        _refuse(problem)
+        refuse(problem)
     found = lint_task(bound, document)
     if as_json:
         typer.echo(findings_json(found, spec.task, body))
@@ -214,9 +212,9 @@ def graph(
     from specs import SpecError
 
     try:
-        print_graph(task, style.value, body, tempo, _classes(primitives))
+        print_graph(task, style.value, body, tempo, classes(primitives))
     except (SimError, SpecError) as problem:
-        _refuse(problem)
+        refuse(problem)
 
 
 @app.command("list")
@@ -228,153 +226,36 @@ def list_all(primitives: PrimitivesOption = None) -> None:
     from specs import SpecError, available_primitives
 
     try:
-        kinds = available_primitives(_classes(primitives))
+        kinds = available_primitives(classes(primitives))
     except SpecError as problem:
-        _refuse(problem)
+        refuse(problem)
     print_catalogue(Console(), kinds)
 
 
 @app.command()
-def trials(
-    task: TaskArgument,
-    out: Annotated[
-        str | None,
-        typer.Option(
-            "--out", metavar="DIR", help="Folder for the table.", show_default="runs/TASK-trials"
-        ),
-    ] = None,
-    starts: Annotated[int, typer.Option(min=0, help="How many random start postures.")] = 20,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the start postures.")] = 0,
-    threads: Annotated[int, typer.Option(min=1, help="Threads of the physics.")] = 2,
+def schema(
+    style: Annotated[Written, typer.Option("--format", help="How to print it.")] = Written.json,
     primitives: PrimitivesOption = None,
 ) -> None:
-    """Do a task under other conditions: tempo, body, start posture, a push.
+    """Print the JSON Schema of task files, with which an editor completes and checks them.
 
-    Prints how many of its sub-tasks succeed in each, and ends with 0 only if all do.
+    The comment [bold]# yaml-language-server: $schema=FILE[/bold] at the top of a task tells it to.
     """
-    from rich.console import Console
+    from specs import SHIPPED_SCHEMA, SpecError, reference, task_schema
 
-    from adonis.errors import OutputError
-    from adonis.trials import print_trials, run_trials, write_trials
-    from sim import SimError
-    from specs import SpecError
-
-    console = Console()
-    wished = _path("--out", out)
-    spec, document = _load(task, None, primitives)
-    folder = wished or Path("runs") / f"{spec.task}-trials"
     try:
-        with console.status("starting") as status:
-            rows = run_trials(
-                spec, document, starts=starts, seed=seed, threads=threads, progress=status.update
-            )
-        write_trials(rows, folder)
-    except (OutputError, SimError, SpecError) as problem:
-        _refuse(problem)
-    print_trials(console, rows)
-    console.print(f"Results are in [bold]{folder}[/bold]: trials.json, trials.md", soft_wrap=True)
-    raise typer.Exit(0 if all(r.success for r in rows) else FAILED)
+        made = task_schema(classes(primitives))
+    except SpecError as problem:
+        refuse(problem)
+    if style is Written.markdown:
+        typer.echo(reference(made), nl=False)
+        return
+    typer.echo(json.dumps(made, indent=1, ensure_ascii=False))
+    file = "task.schema.json" if primitives else SHIPPED_SCHEMA
+    typer.echo(f"In a task: # yaml-language-server: $schema={file}", err=True)
 
 
-@app.command()
-def compare(
-    task: TaskArgument,
-    controllers: Annotated[
-        str | None,
-        typer.Option(
-            "--controllers",
-            metavar="NAMES",
-            help="Who dances, separated by commas; `combined` is the task as it is written.",
-            show_default="pd-servo,torque-field,impedance,combined",
-        ),
-    ] = None,
-    body: BodyOption = "adonis",
-    human: Annotated[
-        str | None,
-        typer.Option(
-            "--human", metavar="CSV", help="Figures of a human doing it (see docs/results.md)."
-        ),
-    ] = None,
-    out: Annotated[
-        str | None,
-        typer.Option(
-            "--out", metavar="DIR", help="Folder for the report.", show_default="runs/TASK-compared"
-        ),
-    ] = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Leave out timings, the paper's claims, least squares.")
-    ] = False,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Written into recordings.")] = 0,
-    primitives: PrimitivesOption = None,
-) -> None:
-    """Let one controller after another do a task, and measure them all.
-
-    Writes into DIR: report.html, which needs nothing beside it, its figures as SVG and PNG,
-    measures.csv, comparison.json and the recordings. Of the Macarena it also says which of the
-    1998 paper's claims are reproduced. A file TASK-CONTROLLER.yaml beside the task is taken for
-    that controller; else every sub-task is given to it as it stands.
-
-    [dim]adonis compare macarena[/dim]
-    """
-    from adonis.comparison.comparing import DANCERS
-    from adonis.comparison.human import known_human, load_human
-    from adonis.dancing import Stopped
-    from adonis.errors import InputError, OutputError
-    from adonis.performing import perform_comparison
-    from sim import SimError, load_body
-    from specs import SpecError
-
-    spec, _ = _load(task, None, primitives)
-    names = DANCERS if controllers is None else tuple(n.strip() for n in controllers.split(","))
-    wished = _path("--out", out)
-    try:
-        perform_comparison(
-            task,
-            load_body(body),
-            wished or Path("runs") / f"{spec.task}-compared",
-            dancers=names,
-            human=known_human(spec.task) if human is None else load_human(human),
-            quick=quick,
-            seed=seed,
-            primitives=_classes(primitives),
-        )
-    except Stopped as problem:
-        if problem.interrupted:
-            raise KeyboardInterrupt from None
-        _refuse(problem)
-    except (InputError, OutputError, SimError, SpecError) as problem:
-        _refuse(problem)
-
-
-@app.command()
-def bench(
-    out: Annotated[
-        str | None, typer.Option("--out", metavar="FILE", help="Write the JSON here as well.")
-    ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer repetitions.")] = False,
-) -> None:
-    """Measure what control costs on top of bare physics; prints JSON."""
-    import json
-
-    from adonis.bench import measure
-    from adonis.errors import OutputError
-    from adonis.reporting import prepare_file, write_text
-
-    file = _path("--out", out)
-    try:
-        if file is not None:
-            prepare_file(file)
-        figures = json.dumps(
-            measure(quick=quick, tell=lambda said: typer.echo(said, err=True)), indent=2
-        )
-        typer.echo(figures)
-        if file is not None:
-            write_text(file, figures + "\n")
-    except OutputError as problem:
-        _refuse(problem)
-
-
-for command in (translate, words):
+for command in (translate, words, trials, compare, bench):
     app.command()(command)
 
 
@@ -385,78 +266,3 @@ def main() -> None:
         os.environ["ADONIS_GL"] = wished
     os.environ["MUJOCO_GL"] = "disable"
     app()
-
-
-def _load(
-    task: str, tempo: float | None, primitives: list[str] | None
-) -> "tuple[TaskSpec, Document]":
-    """`_read`; every mistake ends here, with code 2."""
-    from specs import SpecError
-
-    try:
-        return _read(task, tempo, _classes(primitives))
-    except SpecError as problem:
-        _refuse(problem)
-
-
-def _read(task: str, tempo: float | None, classes: "list[type]") -> "tuple[TaskSpec, Document]":
-    """Read a task; a tempo given on the command line replaces its own."""
-    from specs import load_task, with_tempo
-
-    spec, document = load_task(task, primitives=classes)
-    return (spec if tempo is None else with_tempo(spec, tempo)), document
-
-
-def _bind(
-    task: str,
-    body: str,
-    tempo: float | None,
-    primitives: list[str] | None,
-    *,
-    limits: bool = True,
-    contacts: bool = True,
-    controller: str | None = None,
-) -> "BoundTask":
-    """Read a task and bind it to a body; every mistake in either ends here, with code 2."""
-    from sim import BodyError, load_body
-    from specs import SpecError, bind_task, with_controller
-
-    spec, document = _load(task, tempo, primitives)
-    try:
-        if controller is not None:
-            spec = with_controller(spec, controller)
-        on = load_body(body, limits=limits, contacts=contacts)
-        return bind_task(spec, on, document)
-    except (BodyError, SpecError) as problem:
-        _refuse(problem)
-
-
-def _classes(files: list[str] | None) -> "list[type]":
-    from specs import SpecError, primitives_in
-
-    found: list[type] = []
-    for name in files or ():
-        is_module = all(part.isidentifier() for part in name.split("."))
-        is_data = Path(name).is_file() or Path(name).suffix in (".yaml", ".yml")
-        if Path(name).suffix != ".py" and (is_data or not is_module):
-            _refuse(f"--primitives: expected a .py file or a module, not {name!r}")
-        try:
-            found += primitives_in(name)
-        except SpecError as problem:
-            _refuse(problem)
-        except SystemExit as problem:
-            _refuse(f"{name}: cannot be imported: it ends the program (code {problem.code})")
-    return found
-
-
-def _path(option: str, given: str | None) -> Path | None:
-    """The path that an option names; an empty one is a mistake, not the present folder."""
-    if given is not None and not given.strip():
-        _refuse(f"{option}: expected a path, not {given!r}")
-    return None if given is None else Path(given)
-
-
-def _refuse(problem: Exception | str) -> NoReturn:
-    """One clear message, exit code 2."""
-    typer.echo(f"adonis: {problem}", err=True)
-    sys.exit(BAD_INPUT)

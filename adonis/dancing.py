@@ -87,7 +87,7 @@ def run_task(
     channels = np.zeros((n, arbiter.most_channels), dtype=np.int32)
     asked, applied = arbiter.contribution if contributions else None, world.torque
     planned = int(np.ceil(task.graph.duration / body.timestep))
-    coda = int(np.ceil(task.spec.seconds(task.spec.coda) / body.timestep))
+    coda = int(np.ceil(task.graph.coda / body.timestep))
     last: int | None = None if task.may_wait else planned
     step = 0
     for _, event in events:

@@ -28,7 +28,7 @@ from primitives import (
 )
 from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
-from specs import SubTask, TaskSpec, task_from_text
+from specs import SubTask, TaskGraph, TaskSpec, build_graph, task_from_text
 from specs.groups import together
 from specs.tolerances import ANGLE, PALM_ANGLE, PENETRATION, TOUCH_AT_END, TOUCH_BEFORE_NEXT
 
@@ -60,7 +60,7 @@ def judge(
         replay: of the recording, if there is one already.
     """
     task = task_from_text(str(recording.about["task"]))[0] if spec is None else spec
-    names = BodyMap.model_validate(recording.about["body_map"])
+    names, graph = BodyMap.model_validate(recording.about["body_map"]), build_graph(task)
     measuring = _Measuring(recording, names, replay or Replay(recording))
     spans = {s.name: s for s in recording.spans}
     verdicts = []
@@ -68,10 +68,10 @@ def judge(
         span = spans.get(subtask.name, Span(subtask.name, np.nan, np.nan, "pending"))
         rounds = [each for each in (*recording.rounds, span) if each.name == subtask.name]
         measured = [
-            measuring.subtask(subtask, each, task) for each in rounds if _had_a_goal(subtask, each)
+            measuring.subtask(subtask, each, graph) for each in rounds if _had_a_goal(subtask, each)
         ]
         verdicts.append(Verdict(subtask, span, _worst_of(measured)))
-    return Judgement(tuple(verdicts), tuple(measuring.checks(task, spans)), recording.complete)
+    return Judgement(tuple(verdicts), tuple(measuring.checks(graph, spans)), recording.complete)
 
 
 def torque_steps(recording: Recording, limits: FloatArray) -> FloatArray:
@@ -95,17 +95,18 @@ class _Measuring:
 
     # --- sub-tasks -------------------------------------------------------------------------
 
-    def subtask(self, subtask: SubTask, span: Span, task: TaskSpec) -> list[Measure]:
+    def subtask(self, subtask: SubTask, span: Span, graph: TaskGraph) -> list[Measure]:
         end = self.recording.row(span.end)
-        held = max(self.recording.row(self._claimed_again(subtask, span, task)), end)
+        held = max(self.recording.row(self._claimed_again(subtask, span, graph.spec)), end)
         does = subtask.does
         if isinstance(does, GoToPoint):
             return self._reach(does, end, held)
         if isinstance(does, GetPosture):
             return self._posture(does, end, held)
         if isinstance(does, Oscillate):
-            return self._rhythm(does, span.start, span.end, task, does.swings)
-        return self._aim(does, span, end, held, task.duration(subtask))
+            paced = graph.paced(does, graph.planned[subtask.name][0], graph.lasts(subtask.name))
+            return self._rhythm(paced, span.start, span.end, does.swings)
+        return self._aim(does, span, end, held, graph.lasts(subtask.name))
 
     def _aim(
         self, does: Primitive, span: Span, end: int, held: int, duration: float
@@ -217,7 +218,7 @@ class _Measuring:
         return Measure("joint angles", off[worst], ANGLE, "deg", worst)
 
     def _rhythm(
-        self, does: Oscillate, start: float, end: float, task: TaskSpec, names: Iterable[str]
+        self, does: Oscillate, start: float, end: float, names: Iterable[str]
     ) -> list[Measure]:
         """What swings of it. What listens to the limb swings as the limb would."""
         own = set(names)
@@ -232,7 +233,7 @@ class _Measuring:
                 at = max(found, key=found.__getitem__)
                 measures.append(Measure(what, found[at], limit, unit, at))
 
-        for rhythm in asked_rhythms(does, task.tempo, start, end):
+        for rhythm in asked_rhythms(does, start, end):
             frequencies, amplitudes, lags = off_rhythm(does, rhythm, time, swung)
             worst("frequency off", frequencies, RHYTHM_FREQUENCY, "%")
             worst("amplitude off", amplitudes, RHYTHM_AMPLITUDE, "%")
@@ -261,8 +262,8 @@ class _Measuring:
 
     # --- all the time ----------------------------------------------------------------------
 
-    def checks(self, task: TaskSpec, spans: dict[str, Span]) -> list[Measure]:
-        recording = self.recording
+    def checks(self, graph: TaskGraph, spans: dict[str, Span]) -> list[Measure]:
+        recording, task = self.recording, graph.spec
         deepest = self.replay.penetration
         limits = self.replay.torque_limits()
         share = np.abs(recording.torque) / limits
@@ -284,7 +285,7 @@ class _Measuring:
                 "of the limit",
                 f"{self.replay.joint_of_dof(int(dof))} at {recording.time[row]:.2f} s",
             ),
-            self._hand_over(task, spans, limits),
+            self._hand_over(graph, spans, limits),
         ]
         taken = {j for s in task.subtasks for j in self._joints(claimed(s))}
         steps = (*task.background, *task.subtasks)
@@ -307,22 +308,22 @@ class _Measuring:
                 swings = beside.does
                 free = [j for j in swings.swings if not self._joints(swings.limb or j) & taken]
                 whole = float(recording.time[0]), float(recording.time[-1])
-                seen = self._rhythm(swings, *whole, task, free)
+                seen = self._rhythm(graph.paced(swings), *whole, free)
                 checks += [replace(m, what=f"{beside.name}: {m.what}") for m in seen]
         return checks
 
-    def _hand_over(self, task: TaskSpec, spans: dict[str, Span], limits: FloatArray) -> Measure:
+    def _hand_over(self, graph: TaskGraph, spans: dict[str, Span], limits: FloatArray) -> Measure:
         """Largest torque step in 2 ms, of the joints that are being handed over."""
         recording = self.recording
         steps = torque_steps(recording, limits)
         worst = Measure("hand-over torque step", 0.0, HAND_OVER_STEP, "of the limit in 2 ms")
-        known = {subtask.name: subtask for subtask in task.subtasks}
+        known = {subtask.name: subtask for subtask in graph.spec.subtasks}
         for span in (*recording.rounds, *spans.values()):
             subtask = known.get(span.name)
             if subtask is None or not np.isfinite(span.start):
                 continue
             dofs = [self.replay.dof(j) for j in self._joints(claimed(subtask))]
-            window = steps[hand_over_rows(recording, span, task.fade(subtask)), dofs]
+            window = steps[hand_over_rows(recording, span, graph.fade(subtask.name)), dofs]
             if window.size == 0:
                 continue
             row, column = np.unravel_index(np.argmax(window), window.shape)

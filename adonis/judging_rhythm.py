@@ -36,16 +36,17 @@ class Seen:
     phase: float  # of its sine at time 0 [rad]
 
 
-def asked_rhythms(does: Oscillate, tempo: float, start: float, end: float) -> Iterator[Rhythm]:
+def asked_rhythms(does: Oscillate, start: float, end: float) -> Iterator[Rhythm]:
     """The stretches of one frequency, without the time in which the swing grows or dies away.
+
+    Its frequencies are in Hz: see `Primitive.at_tempo`.
 
     Stretches too short to be measured are left out.
     """
-    paced = does.at_tempo(tempo)
-    assert paced.frequency is not None
-    begins, cycle, frequency = start, 0.0, paced.frequency
+    assert does.frequency is not None
+    begins, cycle, frequency = start, 0.0, does.frequency
     stretches = [(begins, frequency)]
-    for change in paced.then:
+    for change in does.then:
         assert change.frequency is not None
         begins += (change.cycle - cycle) / frequency
         cycle, frequency = change.cycle, change.frequency

@@ -63,3 +63,10 @@ class Commands(TyperGroup):
         except KeyboardInterrupt:
             typer.echo("adonis: interrupted", err=True)
             sys.exit(INTERRUPTED)
+
+
+class Written(StrEnum):
+    """How a schema is printed."""
+
+    json = "json"
+    markdown = "markdown"

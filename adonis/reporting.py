@@ -212,19 +212,19 @@ def clearance(recording: Recording, spec: TaskSpec) -> Closest:
 
 def filmstrip_frames(recording: Recording, spec: TaskSpec) -> list[Frame]:
     """One frame for each moment in which sub-tasks end; the last row if it came to none."""
-    subtasks = {s.name: s for s in spec.subtasks}
+    graph = build_graph(spec)
     last = float(recording.time[-1])
-    moments: dict[int, list[tuple[int, Any]]] = {}
+    moments: dict[int, list[tuple[int, str]]] = {}
     for number, span in enumerate(sorted_spans(recording), start=1):
         row = recording.row(span.end if np.isfinite(span.end) else last)
-        moments.setdefault(row, []).append((number, subtasks[span.name]))
+        moments.setdefault(row, []).append((number, span.name))
     frames = [
         Frame(
             float(recording.time[row]),
             ", ".join(str(number) for number, _ in ended)
             + "  "
-            + "; ".join(subtask.words or subtask.name for _, subtask in ended),
-            max(spec.duration(subtask) for _, subtask in ended),
+            + "; ".join(graph.subtasks[name].words or name for _, name in ended),
+            max(graph.lasts(name) for _, name in ended),
         )
         for row, ended in sorted(moments.items())
     ]

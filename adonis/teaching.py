@@ -1,14 +1,14 @@
 """Lessons in English, at the command line: `check --explain`, `translate`, `words`."""
 
 import sys
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from adonis.arguments import BAD_INPUT, refuse
+
 if TYPE_CHECKING:
     from specs.english.lesson import Lesson
-
-BAD_INPUT = 2
 
 ExplainOption = Annotated[
     bool,
@@ -38,7 +38,7 @@ def translate(
     try:
         spec, _ = load_task(task)
     except SpecError as problem:
-        _refuse(str(problem))
+        refuse(problem)
     typer.echo(task_to_yaml(spec), nl=False)
 
 
@@ -57,7 +57,7 @@ def words(
         return
     found = meanings(word)
     if not found:
-        _refuse(f"unknown word {word!r}{nearest(word, list(vocabulary().entries))}")
+        refuse(f"unknown word {word!r}{nearest(word, list(vocabulary().entries))}")
     for line in found:
         typer.echo(line)
 
@@ -66,7 +66,7 @@ def _lesson(task: str) -> "Lesson":
     from specs import SpecError
     from specs.english.lesson import read_lesson
     from specs.loading import ENGLISH, find_task
-    from specs.reading import read_source
+    from specs.reading import text_of
 
     try:
         path = find_task(task)
@@ -74,11 +74,6 @@ def _lesson(task: str) -> "Lesson":
             raise SpecError(
                 "is not in English (.txt or .md): there is nothing to explain", file=task
             )
-        return read_lesson(read_source(path), str(path))
+        return read_lesson(text_of(path), str(path))
     except SpecError as problem:
-        _refuse(str(problem))
-
-
-def _refuse(said: str) -> NoReturn:
-    typer.echo(f"adonis: {said}", err=True)
-    sys.exit(BAD_INPUT)
+        refuse(problem)

@@ -68,7 +68,7 @@ def timeline(task: TaskGraph, recording: Recording | None = None) -> Timeline:
             task.subtasks[name],
             moves=tuple(moved_by(task.subtasks[name].does) or swinging(task.subtasks[name].does)),
             planned=task.planned[name],
-            hand_over=task.spec.fade(task.subtasks[name]),
+            hand_over=task.fade(name),
         )
         for name in task.order
     ]
@@ -81,7 +81,7 @@ def timeline(task: TaskGraph, recording: Recording | None = None) -> Timeline:
         title=task.spec.title or task.spec.task,
         rows=tuple(rows),
         end=end,
-        beat=task.spec.seconds(1.0),
+        beat=60.0 / task.spec.tempo,
         recorded=recording is not None,
     )
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from adonis.judging import HAND_OVER_STEP, hand_over_rows, torque_steps
 from adonis.verdicts import claimed
 from sim import Recording, Replay, Span
-from specs import TaskSpec
+from specs import TaskSpec, build_graph
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -79,12 +79,12 @@ def transitions(recording: Recording, spec: TaskSpec, replay: Replay) -> tuple[T
     jerk = np.abs(np.diff(recording.qvel, n=2, axis=0)) / recording.timestep**2
     giving = [b.name for b in spec.background if claimed(b)]  # what only adds gives nothing away
     giving += [s.name for s in spec.subtasks]
-    fades = {s.name: spec.fade(s) for s in spec.subtasks}
+    graph = build_graph(spec)
     found = []
     for span in sorted(recording.spans, key=lambda s: s.start):
         if not np.isfinite(span.start) or span.name not in recording.names:
             continue
-        rows = hand_over_rows(recording, span, fades[span.name])
+        rows = hand_over_rows(recording, span, graph.fade(span.name))
         own = recording.contribution[rows, recording.names.index(span.name)]
         dofs = np.flatnonzero(own.any(axis=0) & ~np.isnan(limits))
         window, jolts = steps[rows][:, dofs], jerk[rows][:, dofs]

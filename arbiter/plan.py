@@ -155,8 +155,8 @@ def make_plan(task: BoundTask) -> Plan:
             ways.setdefault(kind, []).append(other)
         given = subtask.conditions
         nodes[k] = (
-            spec.duration(subtask),
-            spec.fade(subtask),
+            graph.lasts(name),
+            graph.fade(name),
             subtask.tolerance or 0.0,
             subtask.timeout or 0.0,
             *(at(given.get(key)) for key in ("if", "done", "repeat")),

@@ -65,7 +65,7 @@ class Follow(Primitive):
     """Let the palm follow a moving point: another hand, a landmark, or a trajectory."""
 
     kind: Literal["follow"] = "follow"
-    limb: str
+    limb: str  # an arm
     to: str | Target | None = None  # a landmark, which is touched, or {hand: LIMB}, …; or
     trajectory: Trajectory | None = None  # {times: […], points: [[…], …]}
     palm: Direction | None = None  # where it faces; default: onto the landmark, else free

@@ -42,7 +42,7 @@ class ViaPosture(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    posture: Posture
+    posture: Posture  # a name, or what to do with each part of an arm and each joint
     at: Share | None = None  # when, as a share of the movement; evenly spread by default
     pulse: Positive = 0.5  # size of its pulse (torque-field): at 0.5 it peaks at a step's weight
 
@@ -51,10 +51,11 @@ class GetPosture(Primitive):
     """Bring a limb or joints into a posture and hold them there."""
 
     kind: Literal["get-posture"] = "get-posture"
-    controller: Controller = "pd-servo"
+    controller: Controller = "pd-servo"  # how it makes torque: see docs/controllers.md
     limb: str | None = None  # an arm of the body, or
     joints: tuple[str, ...] | None = None  # joints and joint groups; `all` is every joint
-    posture: Posture
+    posture: Posture  # a name, or what to do with each part of an arm and each joint
+    # postures on the way
     via: Annotated[tuple[ViaPosture, ...], Parameter(max_length=MOST_KNOTS - 2)] = ()
     profile: Profile | None = None  # of the set point; default: what suits the controller
     travel: Annotated[float, Parameter(gt=0, le=1)] = 1.0  # share of the time it moves
@@ -109,7 +110,7 @@ class GetPosture(Primitive):
         if isinstance(posture, str):
             angles = body.posture(posture).copy()
         else:
-            angles = _said(body, self.limb, tuple(posture.items())).copy()
+            angles = said_angles(body, self.limb, tuple(posture.items())).copy()
         missing = [body.dof_name(int(d)) for d in claims if np.isnan(angles[d])]
         if missing:
             raise PrimitiveError(
@@ -140,10 +141,20 @@ def _hand_goal(body: Body, arm: Arm, postures: FloatArray) -> HandGoal:
 
 
 @lru_cache(maxsize=4096)
-def _said(
+def said_angles(
     body: Body, limb: str | None, words: tuple[tuple[str, float | Direction], ...]
 ) -> FloatArray:
-    """Angles (nv,) [rad] of a posture said part by part; NaN where it says nothing."""
+    """Angles (nv,) [rad] of a posture said part by part; NaN where it says nothing.
+
+    Args:
+        body: where its names are looked up.
+        limb: the arm that it is of; None for a posture of joints alone.
+        words: the parts and what is said of each, see `Posture`.
+
+    Raises:
+        BodyError: a name that the body lacks, or nothing within the joint limits comes near.
+        PrimitiveError: a part that means nothing here, or that is given twice.
+    """
     said = dict(words)
     about_arm = {part: said.pop(part) for part in ARM_PARTS if part in said}
     angles, given = np.full(body.nv, np.nan), dict[int, str]()

@@ -61,9 +61,10 @@ class GoToPoint(Primitive):
     """Bring the palm to a place and hold it there; to a landmark means touching it."""
 
     kind: Literal["go-to-point"] = "go-to-point"
-    controller: Controller = "impedance"
-    limb: str
+    controller: Controller = "impedance"  # how it makes torque: see docs/controllers.md
+    limb: str  # an arm
     to: str | Place  # a landmark, which is touched, or a place
+    # places on the way
     via: Annotated[tuple[ViaPlace, ...], Parameter(max_length=MOST_KNOTS - 2)] = ()
     palm: Direction | None = None  # where it faces; default: onto the landmark
     fingers: Direction | None = None  # where they point; default: free

@@ -6,7 +6,7 @@ itself it holds what swings. With `claims: false` it only moves the equilibrium 
 holds it, so that a rhythm can go on beside a movement.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -24,6 +24,7 @@ from sim import Body, Spot
 
 Oscillator = Literal["sine", "hopf", "matsuoka"]
 FASTEST = 0.1  # cycles per time step of the physics
+ROUNDING = 1e-9  # what changes this much later changes now [cycles, beats]
 ITS_OWN = ("feedback", "coupling")  # what a sine does not have
 OF_A_HAND = ("along", "at", "palm", "turn_stiffness", "turn_damping", "shoulder_damping")
 OPPOSITES = (("up", "down"), ("left", "right"), ("forward", "back"))
@@ -54,7 +55,7 @@ class TempoChange(BaseModel):
 
     cycle: Positive  # how many cycles have passed by then
     frequency: Positive | None = None  # [Hz]
-    beats_per_cycle: Positive | None = None
+    beats_per_cycle: Positive | None = None  # at the tempo of the task
 
     @model_validator(mode="after")
     def _one_pace(self) -> Self:
@@ -66,19 +67,19 @@ class Oscillate(Primitive):
     """Swing joints, or a hand, about a centre, in a rhythm."""
 
     kind: Literal["oscillate"] = "oscillate"
-    joints: Annotated[dict[str, Swing], Parameter(min_length=1)] | None = None  # or
+    joints: Annotated[dict[str, Swing], Parameter(min_length=1)] | None = None  # that swing, or
     limb: str | None = None  # an arm, whose hand swings
     along: Annotated[dict[str, HandSwing], Parameter(min_length=1)] | None = None  # directions
     at: str | Target | None = None  # the centre of a hand's swing; default: where the palm is
     palm: Direction | None = None  # where it faces; default: free
     frequency: Positive | None = None  # [Hz], or
     beats_per_cycle: Positive | None = None  # at the task's tempo
-    then: tuple[TempoChange, ...] = ()
+    then: tuple[TempoChange, ...] = ()  # other paces later
     phase: Annotated[float, Parameter(ge=-360, le=360)] = 0.0  # at the beginning [deg]
     centre: str | dict[str, float] | None = None  # posture, or degrees; default: where they are
     ease: NonNegative = 0.5  # cycles in which the swing grows, and dies away before the end
     claims: bool = True  # whether it holds its joints, or moves the equilibrium of what does
-    oscillator: Oscillator = "sine"
+    oscillator: Oscillator = "sine"  # what keeps the rhythm
     feedback: NonNegative = 0.0  # of the joint to its oscillator; 0: it does not listen
     coupling: Annotated[float, Parameter(ge=0, lt=1)] = 0.5  # how firmly joints keep their lags
     # Gains of the joints' springs [N m/rad, N m s/rad], or of the hand's [N/m, N s/m]; default: the
@@ -126,13 +127,12 @@ class Oscillate(Primitive):
         """What swings and how: joints [deg], or the directions of a hand [m]."""
         return self.joints or self.along or {}
 
-    def at_tempo(self, tempo: float) -> Self:
+    def at_tempo(self, tempo: float, changes: Sequence[tuple[float, float]] = ()) -> Self:
         """See `Primitive.at_tempo`."""
-        own = {"frequency": _hertz(self, tempo), "beats_per_cycle": None}
-        then = tuple(
-            TempoChange(cycle=change.cycle, frequency=_hertz(change, tempo)) for change in self.then
-        )
-        return self.model_copy(update=own | {"then": then})
+        (_, frequency), *later = _in_hertz(self, [(0.0, tempo), *changes])
+        then = tuple(TempoChange(cycle=cycle, frequency=pace) for cycle, pace in later)
+        own = {"frequency": frequency, "beats_per_cycle": None, "then": then}
+        return self.model_copy(update=own)
 
     def bind(self, body: Body, duration: float) -> "RhythmField | HandRhythmField":
         """See `Primitive.bind`."""
@@ -223,8 +223,33 @@ def _check_pace(frequency: float | None, beats_per_cycle: float | None) -> None:
         raise ValueError("give either frequency or beats_per_cycle")
 
 
-def _hertz(pace: Oscillate | TempoChange, tempo: float) -> float | None:
+def _in_hertz(does: Oscillate, tempos: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Its paces, and the cycle from which each holds, at tempos that hold from a beat on [Hz]."""
+    paces: list[tuple[float, Oscillate | TempoChange]]
+    paces = [(0.0, does), *((change.cycle, change) for change in does.then)]
+    found: list[tuple[float, float]] = []
+    beat = cycle = 0.0
+    while True:
+        tempo, pace = tempos[0][1], paces[0][1]
+        frequency = _hertz(pace, tempo)
+        if not found or frequency != found[-1][1]:
+            found.append((cycle, frequency))
+        per_beat = frequency * 60.0 / tempo  # cycles
+        left = [(paces[1][0] - cycle) / per_beat] if paces[1:] else []
+        left += [tempos[1][0] - beat] if tempos[1:] else []
+        if not left:
+            return found
+        passed = min(left)
+        beat, cycle = beat + passed, cycle + passed * per_beat
+        if paces[1:] and paces[1][0] <= cycle + ROUNDING:
+            paces, cycle = paces[1:], paces[1][0]
+        if tempos[1:] and tempos[1][0] <= beat + ROUNDING:
+            tempos, beat = tempos[1:], tempos[1][0]
+
+
+def _hertz(pace: Oscillate | TempoChange, tempo: float) -> float:
     """Its frequency [Hz] at a tempo [beats/min]."""
-    if pace.beats_per_cycle is None:
-        return pace.frequency
-    return tempo / (60.0 * pace.beats_per_cycle)
+    if pace.beats_per_cycle is not None:
+        return tempo / (60.0 * pace.beats_per_cycle)
+    assert pace.frequency is not None, "it has one or the other"
+    return pace.frequency

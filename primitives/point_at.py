@@ -19,7 +19,7 @@ class PointAt(Primitive):
     """Stretch an arm towards a place, and keep pointing while it moves."""
 
     kind: Literal["point-at"] = "point-at"
-    limb: str
+    limb: str  # an arm
     at: str | Target  # a landmark, or {hand: LIMB}, {near: LANDMARK, away: …}, {point: […]}
     settle: Positive = SETTLE  # time in which the arm gets there [s]
     stiffness: Positive | None = None  # [N m/rad]; default: that of the shoulder's stiffest servo

@@ -62,10 +62,15 @@ class Primitive(BaseModel):
     # path of its joints it does no work on the body. A field of one's own has it instead.
     passive: ClassVar[bool] = False
 
-    def at_tempo(self, tempo: float) -> Self:
-        """The same with whatever it says in beats said in seconds; tempo in beats per minute.
+    def at_tempo(self, tempo: float, changes: Sequence[tuple[float, float]] = ()) -> Self:
+        """The same with whatever it says in beats said in seconds.
 
         A task asks this before it binds. Most primitives say nothing in beats.
+
+        Args:
+            tempo: when it begins [beats/min].
+            changes: later tempos: so many beats after it began, so many beats per minute. Given
+                only by a task whose tempo changes.
         """
         return self
 

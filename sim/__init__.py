@@ -13,6 +13,7 @@ from sim.errors import (
     SimError,
     unknown,
 )
+from sim.extending import extended, halfway
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
 from sim.lag import Haste, Lag
@@ -90,8 +91,10 @@ __all__ = [
     "carrier",
     "clearances",
     "depth_inside",
+    "extended",
     "find_gaze",
     "find_way",
+    "halfway",
     "inertias",
     "inverse_dynamics",
     "joint_inertia",

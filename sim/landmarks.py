@@ -28,16 +28,16 @@ def place_landmarks(spec: Any, rays: list[Ray]) -> None:
     """
     model = spec.compile()
     for ray in rays:
-        hit = _leave(model, ray)
+        hit = leave(model, ray)
         if hit is None:
             raise BodyError(f"landmark {ray.name!r}: its ray misses every geom of {ray.link!r}")
         point, normal = hit
         spec.body(ray.link).add_site(
-            name=ray.name, pos=point, quat=_x_along(normal), size=[0.006] * 3, group=4
+            name=ray.name, pos=point, quat=x_along(normal), size=[0.006] * 3, group=4
         )
 
 
-def _leave(model: Any, ray: Ray) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+def leave(model: Any, ray: Ray) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
     """Outermost point of the link along the ray and the normal there, in the link's frame."""
     direction = ray.direction / np.linalg.norm(ray.direction)
     start = ray.origin + direction  # one metre out, looking back
@@ -63,7 +63,7 @@ def _leave(model: Any, ray: Ray) -> tuple[NDArray[np.float64], NDArray[np.float6
     return best
 
 
-def _x_along(normal: NDArray[np.float64]) -> NDArray[np.float64]:
+def x_along(normal: NDArray[np.float64]) -> NDArray[np.float64]:
     """A rotation (wxyz) that takes +x to `normal` and keeps +z as far up as it can."""
     up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
     y = np.cross(up, normal)

@@ -6,6 +6,7 @@ from specs.binding import BoundTask, bind_task
 from specs.claims import claims_of
 from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
+from specs.editing import set_values, write_back
 from specs.errors import Position, SpecError
 from specs.graph import TaskGraph, build_graph
 from specs.graph_writing import to_dot, to_graphml, to_json, to_mermaid
@@ -13,11 +14,14 @@ from specs.groups import Group
 from specs.lint import KINDS, Finding, lint_task, refusal
 from specs.loading import find_task, library, load_task, task_from_text
 from specs.reading import Document
+from specs.reference import reference
+from specs.schema import SHIPPED_SCHEMA, task_schema
 from specs.task import Background, SubTask, TaskSpec, with_tempo
 from specs.writing import task_to_yaml
 
 __all__ = [
     "KINDS",
+    "SHIPPED_SCHEMA",
     "Background",
     "BoundTask",
     "Condition",
@@ -42,8 +46,11 @@ __all__ = [
     "load_task",
     "load_variant",
     "primitives_in",
+    "reference",
     "refusal",
+    "set_values",
     "task_from_text",
+    "task_schema",
     "task_to_yaml",
     "to_dot",
     "to_graphml",
@@ -52,4 +59,5 @@ __all__ = [
     "with_controller",
     "with_parameter",
     "with_tempo",
+    "write_back",
 ]

@@ -21,6 +21,7 @@ from primitives import (
 from sim import BeyondRange, Body, BodyError
 from specs.blame import told
 from specs.conditions import BoundCondition, Condition, bind_condition
+from specs.definitions import define
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
 from specs.groups import check_groups, together
@@ -40,7 +41,7 @@ class BoundTask:
     `fields[k]` does the k-th sub-task of `graph.order`.
     """
 
-    body: Body
+    body: Body  # with the landmarks and postures that the task defines
     graph: TaskGraph
     background: tuple[Field, ...]
     fields: tuple[Field, ...]
@@ -77,17 +78,19 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     """
     document = document or Document(None, "")
     graph = build_graph(spec, document)
+    body = define(spec.landmarks, spec.postures, body, document)
     background = tuple(
-        _bind(b.does, spec.tempo, body, np.inf, document, ("background", i), b.name)
+        _bind(graph, b.does, 0.0, body, np.inf, document, ("background", i), b.name)
         for i, b in enumerate(spec.background)
     )
     places: dict[str, Path_] = {s.name: ("subtasks", i) for i, s in enumerate(spec.subtasks)}
     fields = tuple(
         _bind(
+            graph,
             graph.subtasks[name].does,
-            spec.tempo,
+            graph.planned[name][0],
             body,
-            spec.duration(graph.subtasks[name]),
+            graph.lasts(name),
             document,
             places[name],
             name,
@@ -133,8 +136,9 @@ def _conditions(
 
 
 def _bind(
+    graph: TaskGraph,
     primitive: Primitive,
-    tempo: float,
+    start: float,
     body: Body,
     duration: float,
     document: Document,
@@ -143,7 +147,7 @@ def _bind(
 ) -> Field:
     """The field of a primitive; whatever is wrong with it is said at its place in the file."""
     try:
-        field = primitive.at_tempo(tempo).bind(body, duration)
+        field = graph.paced(primitive, start, duration).bind(body, duration)
         wrong = _no_field(field, body)
     except (BodyError, PrimitiveError) as problem:
         where, key = _named(document, path, str(problem))

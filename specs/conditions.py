@@ -23,7 +23,7 @@ class _Part(BaseModel):
 class Condition(_Part):
     """An event from outside, or a hand near a landmark."""
 
-    event: Name | None = None
+    event: Name | None = None  # it has been sent from outside
     near: str | None = None  # a landmark
     limb: str | None = None  # the arm whose palm is to be near
     distance: Positive | None = None  # [m]
@@ -76,7 +76,7 @@ class Repeat(_Part):
     model_config = ConfigDict(populate_by_name=True)
 
     from_: Annotated[Name | None, Field(alias="from")] = None  # all from there on; default: itself
-    until: Condition | None = None
+    until: Condition | None = None  # that holds at the end of a round
     times: Times  # at most, if it is until something
 
     @model_validator(mode="after")

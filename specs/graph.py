@@ -1,17 +1,31 @@
 """The task graph: which sub-task comes after which, and when each is planned."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import networkx as nx
 
+from primitives import Primitive
 from sim import unknown
 from specs.conditions import Join
 from specs.reading import Document, Path_
 from specs.repeating import check_chains
 from specs.task import SubTask, TaskSpec
+from specs.tempo import Clock, clock_of
 
+Does = TypeVar("Does", bound=Primitive)
 AFTER, OTHERWISE, WHILE = "after", "otherwise", "while"  # kinds of edges
+
+
+@dataclass(frozen=True)
+class Timing:
+    """When what is planned [s]."""
+
+    clock: Clock
+    planned: dict[str, tuple[float, float]]  # start and end of each sub-task
+    lasts: dict[str, float]  # of each, or of one round of it
 
 
 @dataclass(frozen=True)
@@ -33,20 +47,62 @@ class TaskGraph:
         return tuple(nx.lexicographical_topological_sort(self.graph, key=place.__getitem__))
 
     @cached_property
+    def timing(self) -> "Timing":
+        """When what is planned, all on time and no branch left out.
+
+        The tempo may change where a sub-task begins, which depends on the tempo before: of the
+        changes that are not settled yet the earliest is where it seems to be.
+        """
+        left = {step.subtask for step in self.spec.tempo_map if step.subtask is not None}
+        begins: dict[str, float] = {}  # at which beat
+        while True:
+            clock = clock_of(self.spec.tempo, self.spec.tempo_map, begins)
+            timing = self._plan(clock)
+            if not left:
+                return timing
+            first = min(timing.planned[name][0] for name in left)
+            now = {name for name in left if timing.planned[name][0] == first}
+            begins |= dict.fromkeys(now, clock.beat(first))
+            left -= now
+
+    @property
     def planned(self) -> dict[str, tuple[float, float]]:
-        """Planned start and end of each sub-task [s], all on time and no branch left out."""
+        """Planned start and end of each sub-task [s]."""
+        return self.timing.planned
+
+    def lasts(self, name: str) -> float:
+        """How long a sub-task takes, or one round of it [s]."""
+        return self.timing.lasts[name]
+
+    def fade(self, name: str) -> float:
+        """How long the hand-over to a sub-task takes [s]: never longer than the sub-task."""
+        asked = self.subtasks[name].hand_over
+        return min(self.spec.hand_over if asked is None else asked, self.lasts(name))
+
+    def paced(self, does: Does, start: float = 0.0, lasts: float = math.inf) -> Does:
+        """A primitive that begins then [s] with all that it says in beats said in seconds."""
+        clock = self.timing.clock
+        tempo, changes = clock.tempo(start), clock.changes(start, start + lasts)
+        return does.at_tempo(tempo, changes) if changes else does.at_tempo(tempo)
+
+    def _plan(self, clock: Clock) -> "Timing":
         times: dict[str, tuple[float, float]] = {}
+        lasts: dict[str, float] = {}
         for name in self.order:
             subtask = self.subtasks[name]
             if subtask.while_ is not None:
-                times[name] = times[subtask.while_]
-                continue
-            ends = [self._leaves(p, name, times[p]) for p in self.graph.predecessors(name)]
-            start = (max if subtask.policy == "all" else min)(ends, default=0.0)
-            lasts, again = self.spec.duration(subtask), subtask.times - 1
-            whole = lasts if subtask.first is None else start + lasts - times[subtask.first][0]
-            times[name] = start, start + lasts + again * whole
-        return times
+                start, end = times[subtask.while_]
+            else:
+                ends = [self._leaves(p, name, times[p]) for p in self.graph.predecessors(name)]
+                start, end = (max if subtask.policy == "all" else min)(ends, default=0.0), None
+            beats = 1.0 if subtask.beats is None else subtask.beats
+            lasts[name] = subtask.seconds or clock.lasts(start, beats)
+            if end is None:
+                over = start + lasts[name]
+                whole = lasts[name] if subtask.first is None else over - times[subtask.first][0]
+                end = over + (subtask.times - 1) * whole
+            times[name] = start, end
+        return Timing(clock, times, lasts)
 
     def _leaves(self, name: str, to: str, planned: tuple[float, float]) -> float:
         """When a sub-task lets another begin: if it gives up, at the end of its patience."""
@@ -70,8 +126,13 @@ class TaskGraph:
     @property
     def duration(self) -> float:
         """Planned duration with the coda [s]."""
+        return max(end for _, end in self.planned.values()) + self.coda
+
+    @property
+    def coda(self) -> float:
+        """How long the last goals are held [s]."""
         end = max(end for _, end in self.planned.values())
-        return end + self.spec.seconds(self.spec.coda)
+        return self.timing.clock.lasts(end, self.spec.coda)
 
 
 def build_graph(spec: TaskSpec, document: Document | None = None) -> TaskGraph:
@@ -104,6 +165,10 @@ def build_graph(spec: TaskSpec, document: Document | None = None) -> TaskGraph:
             place = ("subtasks", i, OTHERWISE)
             _join(graph, names, subtask.name, then, OTHERWISE, document, place)
         previous = subtask
+    for i, step in enumerate(spec.tempo_map):
+        if step.subtask is not None and step.subtask not in names:
+            place = ("tempo_map", i, "subtask")
+            raise document.error(unknown("sub-task", step.subtask, names), place)
     if not nx.is_directed_acyclic_graph(graph):
         cycle = [a for a, _ in nx.find_cycle(graph)]
         shown = " -> ".join([*cycle, cycle[0]])

@@ -25,8 +25,9 @@ class Group(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    name: Name
-    rule: Rule = "sum"
+    name: Name  # what it is called
+    rule: Rule = "sum"  # by which the torques of its members become one
+    # names of background entries, sub-tasks, and groups written above
     members: Annotated[tuple[Name, ...], Field(min_length=1)]
     weights: dict[Name, Weight] = {}  # of members, 1 by default: weighted and dominant
 

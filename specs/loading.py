@@ -5,27 +5,21 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from primitives import Primitive
 from sim import unknown
 from specs.available import available_primitives
-from specs.blame import told
-from specs.conditions import Condition, Join, Repeat
 from specs.english.lesson import read_lesson
 from specs.errors import SpecError
+from specs.fragments import put_in_fragments
 from specs.graph_reading import task_of_graph
-from specs.reading import Document, Path_, read_file, read_source, read_text
+from specs.including import include
+from specs.reading import Document, Path_, read_file, read_text, text_of
 from specs.task import Background, SubTask, TaskSpec, keys_of
+from specs.validating import validate
 
 Model = TypeVar("Model", bound=BaseModel)
-PARTS: dict[str | int, type[BaseModel]] = {  # what stands below a key of a sub-task
-    "after": Join,
-    "if": Condition,
-    "done": Condition,
-    "repeat": Repeat,
-    "until": Condition,
-}
 ENGLISH = (".txt", ".md")  # files of these kinds are lessons in English, others YAML
 LIBRARY = Path(str(files("specs") / "library"))
 
@@ -47,7 +41,11 @@ def find_task(name: str) -> Path:
     if name in library():
         return library()[name]
     path = Path(name)
-    if not path.exists() and path.suffix not in (".yaml", ".yml", ".json", *ENGLISH):
+    try:
+        missing = not path.exists()
+    except OSError:  # a name that no file can have
+        missing = True
+    if missing and path.suffix not in (".yaml", ".yml", ".json", *ENGLISH):
         raise SpecError(f"no such file, and {unknown('task of the library', name, library())}")
     return path
 
@@ -69,8 +67,8 @@ def load_task(
     """
     path = find_task(str(task))
     if path.suffix in ENGLISH:
-        return task_from_text(read_source(path), str(path), primitives=primitives)
-    document = task_of_graph(read_file(path))
+        return task_from_text(text_of(path), str(path), primitives=primitives)
+    document = put_in_fragments(include(task_of_graph(read_file(path))))
     return parse_task(document, primitives=primitives), document
 
 
@@ -81,12 +79,12 @@ def task_from_text(
     if Path(file).suffix in ENGLISH:
         document = read_lesson(text, file).document
     else:
-        document = task_of_graph(read_text(text, file))
+        document = put_in_fragments(include(task_of_graph(read_text(text, file))))
     return parse_task(document, primitives=primitives), document
 
 
 def parse_task(document: Document, *, primitives: Iterable[type[Primitive]] = ()) -> TaskSpec:
-    """The task that a document describes.
+    """The task that a document describes, in which includes and fragments are put in already.
 
     Raises:
         SpecError: it does not describe one.
@@ -99,7 +97,7 @@ def parse_task(document: Document, *, primitives: Iterable[type[Primitive]] = ()
     for key, model in (("background", Background), ("subtasks", SubTask)):
         if key in whole:
             whole[key] = _steps(document, (key,), whole[key], model, kinds)
-    spec = _validate(document, (), whole, TaskSpec)
+    spec = validate(document, (), whole, TaskSpec)
     _check_names(document, spec)
     return spec
 
@@ -140,95 +138,8 @@ def _step(
             raise document.error(message, (*path, key), key=True)
     parameters = {k: v for k, v in item.items() if k in theirs}
     own = {k: v for k, v in item.items() if k in ours}
-    own["does"] = _validate(document, path, parameters, kinds[kind])
-    return _validate(document, path, own, model)
-
-
-def _validate(document: Document, path: Path_, data: Any, model: type[Model]) -> Model:
-    """Validate against a model; the first problem becomes a `SpecError` at its place."""
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        problems = error.errors(include_url=False)
-        problem = min(problems, key=_rank)
-        place = (*path, *_inside(data, problem["loc"]))
-        message = _said_of_length(dict(problem), place, problems)
-        message = message or _said(dict(problem), place, model)
-        raise document.error(message, place, key=problem["type"] == "extra_forbidden") from None
-    except (Exception, SystemExit) as problem:  # whatever a validator of the user's own raises
-        raise document.error(f"{model.__name__} raised {told(problem)}", path) from problem
-
-
-def _rank(problem: Any) -> int:
-    """The most telling problem first; of alternatives, the one that was meant."""
-    other_kind = problem["type"] == "string_type" and isinstance(problem["input"], dict | list)
-    ranks = {"extra_forbidden": 0, "missing": 1, "value_error": 2}
-    return 4 if other_kind else ranks.get(problem["type"], 3)
-
-
-def _inside(data: Any, loc: tuple[str | int, ...]) -> Path_:
-    """The part of a location that exists in the data: pydantic adds names of union members."""
-    path: list[str | int] = []
-    for step in loc:
-        try:
-            data = data[step]
-        except (KeyError, IndexError, TypeError):
-            continue
-        path.append(step)
-    return tuple(path)
-
-
-def _said_of_length(problem: dict[str, Any], place: Path_, problems: Iterable[Any]) -> str:
-    """One sentence for a list that is too short or too long; nothing for other errors."""
-    kind, (*around, last) = problem["type"], problem["loc"] or ("",)
-    if kind == "missing" and isinstance(last, int):
-        lacking = [p["loc"] for p in problems if p["type"] == "missing"]
-        expected = 1 + max(loc[-1] for loc in lacking if loc[:-1] == (*around,))
-        return f"{_name(place)}: expected {expected} values, not {_short(problem['input'])}"
-    if kind in ("too_short", "too_long"):
-        bound, length = ("least", "min") if kind == "too_short" else ("most", "max")
-        context = problem["ctx"]
-        return (
-            f"{_name(place)}: expected at {bound} {context[f'{length}_length']},"
-            f" not {context['actual_length']}"
-        )
-    return ""
-
-
-def _said(problem: dict[str, Any], place: Path_, model: type[BaseModel]) -> str:
-    """One sentence for one error of pydantic."""
-    kind, given, loc = problem["type"], problem.get("input"), problem["loc"]
-    name = _name(place)
-    if kind == "extra_forbidden":
-        inner = [PARTS[step] for step in loc[:-1] if step in PARTS]
-        around = model if len(loc) == 1 else inner[-1] if inner else None
-        return unknown("key", loc[-1], keys_of(around) if around else ())
-    if kind == "missing":
-        return f"{loc[-1]!r} is missing"
-    if kind in ("value_error", "assertion_error"):
-        return str(problem["ctx"]["error"])
-    if kind.startswith("model_") or kind in ("dict_type", "mapping_type"):
-        return f"{name}: expected keys and values, not {_short(given)}"
-    if kind == "string_pattern_mismatch":
-        return f"{name} is made of letters, digits, '-', '_' and '.', not {_short(given)}"
-    said = str(problem["msg"])
-    said = said.removeprefix("Input ").removeprefix("Value ")
-    return f"{name} {said}, not {_short(given)}"
-
-
-def _name(place: Path_) -> str:
-    """What a place is called: its key, and which item of a list it is."""
-    if not place:
-        return "the task"
-    *around, last = place
-    if isinstance(last, int) and around and isinstance(around[-1], str):
-        return f"{around[-1]}, item {last + 1},"
-    return str(last)
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
+    own["does"] = validate(document, path, parameters, kinds[kind])
+    return validate(document, path, own, model)
 
 
 def _check_names(document: Document, spec: TaskSpec) -> None:

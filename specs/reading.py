@@ -1,5 +1,6 @@
-"""YAML with positions: plain data, and where in the file each part of it stands."""
+"""YAML with positions: plain data, and where in which file each part of it stands."""
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -8,18 +9,19 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from specs.errors import Position, SpecError
+from specs.errors import Position, SpecError, excerpt_of
 
 MOST_BYTES = 8_000_000
-MOST_VALUES = 500_000  # after aliases are followed: a bomb of them expands no further
+MOST_ALIASED = 50_000  # values that come from aliases: a bomb of them expands no further
 DEEPEST = 40
+BREAK = re.compile("\r\n|[\r\n\x85\u2028\u2029]")
 
 Path_ = tuple[str | int, ...]
 
 
 @dataclass(frozen=True)
 class Document:
-    """Plain data read from a file.
+    """Plain data read from a file, and from those that it includes.
 
     A path is a tuple of keys and indices; `positions` knows the values, `keys` the keys.
     """
@@ -28,6 +30,8 @@ class Document:
     file: str
     positions: dict[Path_, Position] = field(default_factory=dict)
     keys: dict[Path_, Position] = field(default_factory=dict)
+    lines: dict[str, list[str]] = field(default_factory=dict)  # of each file, for excerpts
+    folder: Path | None = None  # that the file is in; None for text that is in no file
 
     def where(self, path: Path_) -> Position | None:
         """Position of the value at `path`, or of the nearest thing around it."""
@@ -42,7 +46,13 @@ class Document:
     ) -> SpecError:
         """A `SpecError` that points at a value, or at its key."""
         place = self.keys.get(path) if key else None
-        return SpecError(message, file=self.file, position=place or self.where(path), code=code)
+        return self.error_at(message, place or self.where(path), code=code)
+
+    def error_at(self, message: str, place: Position | None, *, code: str = "refused") -> SpecError:
+        """A `SpecError` that points at a place."""
+        file = (place.file if place else "") or self.file
+        excerpt = excerpt_of(self.lines.get(file, []), place)
+        return SpecError(message, file=file, position=place, code=code, excerpt=excerpt)
 
 
 def read_file(path: Path) -> Document:
@@ -51,10 +61,10 @@ def read_file(path: Path) -> Document:
     Raises:
         SpecError: it is missing, too large, not text, or not YAML.
     """
-    return read_text(read_source(path), str(path))
+    return read_text(text_of(path), str(path), path.parent)
 
 
-def read_source(path: Path) -> str:
+def text_of(path: Path) -> str:
     """The text of a file.
 
     Raises:
@@ -78,29 +88,30 @@ def read_source(path: Path) -> str:
         raise SpecError(f"cannot be read: {reason}", file=shown) from None
 
 
-def read_text(text: str, file: str) -> Document:
-    """Read YAML from a string; `file` is what errors call it.
+def read_text(text: str, file: str, folder: Path | None = None) -> Document:
+    """Read YAML from a string; `file` is what errors call it, `folder` where it may include from.
 
     Raises:
         SpecError: it is not YAML, or uses more of YAML than plain data needs.
     """
     yaml = YAML(typ="safe", pure=True)
+    yaml.composer.warn_double_anchors = False  # an anchor may be given again, as YAML says
+    document = Document(None, file, lines={file: _lines(text)}, folder=folder)
     try:
         node = yaml.compose(text)
         if node is None:
             raise SpecError("is empty; expected a task", file=file)
-        document = Document(data=None, file=file)
         data = _Builder(yaml, document).build(node, (), 0)
     except MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
-        at = Position(mark.line + 1, mark.column + 1) if mark else None
+        at = Position(mark.line + 1, mark.column + 1, file) if mark else None
         said = " ".join(str(problem.problem or problem.context or "it cannot be read").split())
-        raise SpecError(f"not YAML: {said}", file=file, position=at) from None
+        raise document.error_at(f"not YAML: {said}", at) from None
     except YAMLError as problem:
         raise SpecError(f"not YAML: {' '.join(str(problem).split())}", file=file) from None
     except RecursionError:
         raise SpecError(f"nested deeper than {DEEPEST} levels", file=file) from None
-    return Document(data, file, document.positions, document.keys)
+    return Document(data, file, document.positions, document.keys, document.lines, folder)
 
 
 class _Builder:
@@ -108,14 +119,17 @@ class _Builder:
 
     def __init__(self, yaml: YAML, document: Document) -> None:
         self._yaml, self._document = yaml, document
-        self._count = 0
+        self._seen: set[int] = set()  # nodes
+        self._aliased = 0
 
     def build(self, node: Node, path: Path_, depth: int) -> Any:
         document = self._document
-        document.positions[path] = _position(node)
-        self._count += 1
-        if self._count > MOST_VALUES:
-            raise document.error(f"more than {MOST_VALUES} values once its aliases are followed")
+        document.positions[path] = self._position(node)
+        if id(node) in self._seen:
+            self._aliased += 1
+            if self._aliased > MOST_ALIASED:
+                raise document.error(f"more than {MOST_ALIASED} values come from aliases", path)
+        self._seen.add(id(node))
         if depth > DEEPEST:
             raise document.error(f"nested deeper than {DEEPEST} levels", path)
         if isinstance(node, MappingNode):
@@ -127,19 +141,13 @@ class _Builder:
     def _mapping(self, node: MappingNode, path: Path_, depth: int) -> dict[str, Any]:
         result: dict[str, Any] = {}
         for key_node, value_node in node.value:
-            key = key_node.value
+            key, place = key_node.value, self._position(key_node)
             if not isinstance(key_node, ScalarNode) or not isinstance(key, str):
-                raise SpecError(
-                    "a key must be a word", file=self._document.file, position=_position(key_node)
-                )
+                raise self._document.error_at("a key must be a word", place)
             own = (*path, key)
             if key in result:
-                raise SpecError(
-                    f"the key {key!r} is given twice",
-                    file=self._document.file,
-                    position=_position(key_node),
-                )
-            self._document.keys[own] = _position(key_node)
+                raise self._document.error_at(f"the key {key!r} is given twice", place)
+            self._document.keys[own] = place
             result[key] = self.build(value_node, own, depth + 1)
         return result
 
@@ -165,10 +173,15 @@ class _Builder:
             path,
         )
 
+    def _position(self, node: Node) -> Position:
+        mark = node.start_mark
+        return Position(mark.line + 1, mark.column + 1, self._document.file)
+
+
+def _lines(text: str) -> list[str]:
+    """The lines as YAML counts them."""
+    return BREAK.split(text)
+
 
 def _short(text: str) -> str:
     return text if len(text) <= 40 else text[:37] + "..."
-
-
-def _position(node: Node) -> Position:
-    return Position(node.start_mark.line + 1, node.start_mark.column + 1)

@@ -6,8 +6,10 @@ from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validat
 
 from primitives import Primitive
 from specs.conditions import Condition, Join, Name, Positive, Repeat, Times
+from specs.definitions import Landmark, NamedPosture
 from specs.errors import SpecError
 from specs.groups import Group
+from specs.tempo import MOST_STEPS, Tempo, TempoStep
 
 NonNegative = Annotated[float, Field(ge=0, le=1e6)]
 
@@ -24,7 +26,7 @@ class _Doing(BaseModel):
         frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True
     )
 
-    name: Name
+    name: Name  # what it is called
     does: SerializeAsAny[Primitive]
 
 
@@ -137,41 +139,38 @@ class TaskSpec(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    task: Name
-    title: str = ""
+    task: Name  # what it is called
+    title: str = ""  # the same for people
     source: str = ""  # where the words come from
-    tempo: Annotated[float, Field(ge=1, le=1000)] = 60.0  # beats per minute
+    tempo: Tempo = 60.0  # beats per minute
+    tempo_map: Annotated[tuple[TempoStep, ...], Field(max_length=MOST_STEPS)] = ()  # later tempos
     start: str | None = None  # posture of the body to begin in; default: its home
     hand_over: NonNegative = 0.1  # [s] cross-fade between sub-tasks that claim the same joints
     coda: NonNegative = 1.0  # beats for which the last goals are held
     safety: Literal["none", "filter"] = "none"  # what comes after all torques are summed
-    rehearse: bool = False  # whether ways of hands that it says nothing of are to be found first
-    background: tuple[Background, ...] = ()
+    # whether ways of hands that it says nothing of are to be found first
+    rehearse: bool = False
+    landmarks: dict[Name, Landmark] = {}  # of this task, beside the body's
+    postures: dict[Name, NamedPosture] = {}  # of this task, beside the body's
+    background: tuple[Background, ...] = ()  # what is on all the time
     groups: tuple[Group, ...] = ()  # what is combined by another rule than the sum
+    # what is done, one after the other unless `after` says otherwise
     subtasks: Annotated[tuple[SubTask, ...], Field(min_length=1)]
-
-    def seconds(self, beats: float) -> float:
-        """Duration of so many beats [s]."""
-        return beats * 60.0 / self.tempo
-
-    def duration(self, subtask: SubTask) -> float:
-        """How long a sub-task takes [s]."""
-        if subtask.seconds is not None:
-            return subtask.seconds
-        return self.seconds(1.0 if subtask.beats is None else subtask.beats)
-
-    def fade(self, subtask: SubTask) -> float:
-        """How long the hand-over to a sub-task takes [s]: never longer than the sub-task."""
-        asked = self.hand_over if subtask.hand_over is None else subtask.hand_over
-        return min(asked, self.duration(subtask))
 
 
 def with_tempo(spec: TaskSpec, tempo: float) -> TaskSpec:
-    """The same task at another tempo [beats/min].
+    """The same task at another tempo [beats/min]; what its tempo map says changes in proportion.
 
     Raises:
         SpecError: no such tempo.
     """
-    if not 1.0 <= tempo <= 1000.0:
-        raise SpecError(f"a tempo is between 1 and 1000 beats per minute, not {tempo:g}")
-    return spec.model_copy(update={"tempo": tempo})
+    share = tempo / spec.tempo
+    later = [step.tempo * share for step in spec.tempo_map]
+    for asked in (tempo, *later):
+        if not 1.0 <= asked <= 1000.0:
+            raise SpecError(f"a tempo is between 1 and 1000 beats per minute, not {asked:g}")
+    steps = tuple(
+        step.model_copy(update={"tempo": changed})
+        for step, changed in zip(spec.tempo_map, later, strict=True)
+    )
+    return spec.model_copy(update={"tempo": tempo, "tempo_map": steps})

@@ -10,16 +10,17 @@ from specs.task import Background, SubTask, TaskSpec, keys_of
 
 
 def task_to_data(spec: TaskSpec) -> dict[str, Any]:
-    """The task as plain data; what is left to its default is not written."""
+    """The task as plain data; what is left to its default is not written.
+
+    Fragments and includes are in it as what they stand for.
+    """
     whole: dict[str, Any] = {
-        key: getattr(spec, key)
+        key: _plain(getattr(spec, key))
         for key, field in TaskSpec.model_fields.items()
-        if key not in ("background", "groups", "subtasks") and getattr(spec, key) != field.default
+        if key not in ("background", "subtasks") and getattr(spec, key) != field.default
     }
     if spec.background:
         whole["background"] = [_step(b) for b in spec.background]
-    if spec.groups:
-        whole["groups"] = [g.model_dump(mode="json", exclude_defaults=True) for g in spec.groups]
     whole["subtasks"] = [_step(s) for s in spec.subtasks]
     return whole
 
@@ -29,6 +30,7 @@ def task_to_yaml(spec: TaskSpec) -> str:
     yaml: Any = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None
     yaml.sort_base_mapping_type_on_output = False
+    yaml.representer.ignore_aliases = lambda _: True
     yaml.width = 100
     stream = StringIO()
     yaml.dump(task_to_data(spec), stream)
@@ -50,5 +52,7 @@ def _step(step: Background | SubTask) -> dict[str, Any]:
 def _plain(value: Any) -> Any:
     """A value as YAML writes it."""
     if isinstance(value, BaseModel):
-        return value.model_dump(mode="json", exclude_defaults=True, by_alias=True)
-    return list(value) if isinstance(value, tuple) else value
+        return value.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+    if isinstance(value, dict):
+        return {key: _plain(inner) for key, inner in value.items()}
+    return [_plain(inner) for inner in value] if isinstance(value, tuple) else value

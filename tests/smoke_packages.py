@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[1]
 USES = (
     ["-m", "adonis", "--help"],
     ["-m", "adonis", "check", "macarena"],
+    ["-c", "from specs import SHIPPED_SCHEMA; SHIPPED_SCHEMA.read_text()"],
     ["-c", "import adonis, arbiter, primitives, sim, specs; print(sim.__file__)"],
 )
 

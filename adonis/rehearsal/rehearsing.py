@@ -113,8 +113,9 @@ class _Rehearsal:
         subtask = next(s for s in spec.subtasks if s.name == scene.subtask)
         assert isinstance(subtask.does, GoToPoint)
         self._does = subtask.does
-        own = spec.duration(subtask) * subtask.times
-        self._seconds = max(own, subtask.timeout or 0.0) + _rest(bind_task(spec, body), subtask)
+        task = bind_task(spec, body)
+        own = task.graph.lasts(subtask.name) * subtask.times
+        self._seconds = max(own, subtask.timeout or 0.0) + _rest(task, subtask)
         self._best, self._grade, self._tried = self._does, FAILED, 0
 
     def run(self) -> Rehearsed:

@@ -80,7 +80,7 @@ def planned_moves(task: BoundTask) -> list[Move]:
             over.remove(done)
         hold = max(0.0, next_claim[k] - end)
         subtask = graph.subtasks[name]
-        here = task.spec.duration(subtask), task.spec.fade(subtask), round(hold, 6)
+        here = graph.lasts(name), graph.fade(name), round(hold, 6)
         key = repr(subtask.does), *here, posture.round(6).tobytes()
         if key not in known:
             known[key] = _move(body, name, subtask.does, field, posture, *here, carried)

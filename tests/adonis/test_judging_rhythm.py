@@ -67,7 +67,7 @@ def test_what_is_measured_leaves_out_growing_dying_and_changing() -> None:
         beats_per_cycle=1,
         then=({"cycle": 4, "frequency": 0.5}, {"cycle": 5, "frequency": 1.0}),
     )
-    found = [(r.start, r.end, r.frequency) for r in asked_rhythms(does, 120, 1.0, 9.0)]
+    found = [(r.start, r.end, r.frequency) for r in asked_rhythms(does.at_tempo(120), 1.0, 9.0)]
     assert found == [(1.25, 3.0, 2.0), (5.5, 8.5, 1.0)]
 
 

@@ -57,7 +57,7 @@ def test_a_routine_keeps_its_links_apart_and_has_words(perform: Perform, name: s
 def test_the_strokes_of_the_conductor_are_the_beats(perform: Perform) -> None:
     """The hand is lowest on each of the sixteen beats, by less than a tenth of a beat."""
     spec, recording = perform("conductor")
-    beat = spec.seconds(1.0)
+    beat = 60.0 / spec.tempo
     height = Replay(recording).site("right_palm").position[:, 2]
     first = 4 * beat  # the upbeat takes three and a half
     for k in range(16):

@@ -11,7 +11,15 @@ from pydantic import model_validator
 
 from primitives import GoToPoint, Primitive
 from sim import Body
-from specs import SpecError, bind_task, library, load_task, task_from_text, task_to_yaml
+from specs import (
+    SpecError,
+    bind_task,
+    build_graph,
+    library,
+    load_task,
+    task_from_text,
+    task_to_yaml,
+)
 
 GOOD = textwrap.dedent("""\
     task: hello
@@ -39,8 +47,9 @@ def test_a_task_is_read_as_it_is_written() -> None:
     spec, _ = task_from_text(GOOD)
     assert [s.name for s in spec.subtasks] == ["up", "out"]
     assert isinstance(spec.subtasks[0].does, GoToPoint)
-    assert spec.duration(spec.subtasks[0]) == 2.0
-    assert spec.duration(spec.subtasks[1]) == 1.0, "one beat unless told"
+    graph = build_graph(spec)
+    assert graph.lasts("up") == 2.0
+    assert graph.lasts("out") == 1.0, "one beat unless told"
 
 
 @pytest.mark.parametrize(
@@ -196,6 +205,8 @@ def test_a_task_needs_a_name() -> None:
     for name in ("", "  "):
         with pytest.raises(SpecError, match=r"expected a task: a file, or one of .*macarena"):
             load_task(name)
+    with pytest.raises(SpecError, match="no such file, and unknown task of the library"):
+        load_task("a" * 500)
 
 
 TOKENS = [
