@@ -15,7 +15,10 @@ from specs.reading import read_file, read_text
 from specs.schema import schema_text
 
 ROOT = Path(__file__).parents[2]
-TASKS = [*library().values(), *sorted((ROOT / "examples").glob("*.yaml"))]
+TASKS = [
+    *(p for p in library().values() if p.suffix == ".yaml"),
+    *sorted((ROOT / "examples").glob("*.yaml")),
+]
 GOOD = "task: x\nsubtasks:\n  - {name: a, primitive: go-to-point, limb: right_arm, to: head.top}\n"
 FRAGMENT = "task: x\nfragments: {f: {parameters: {a: }, subtasks: [{name: s, primitive: hold, "
 
