@@ -14,7 +14,8 @@ from arbiter import Arbiter
 from sim import Body, Recording, Replay, World
 from specs import TaskSpec, bind_task, library, load_task
 
-# The Macarenas by one controller alone are danced in test_comparing.
+# The Macarenas by one controller alone are danced in test_comparing; of the one in words, which is
+# the same task, test_rehearsal dances two sentences: a rehearsal of all twelve takes minutes.
 TASKS = [name for name in library() if not name.startswith("macarena-") or name.endswith("hips")]
 ROUTINES = ["ymca", "head-and-shoulders", "conductor", "box-breathing", "cloud-hands"]
 

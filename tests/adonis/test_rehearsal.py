@@ -16,7 +16,7 @@ from adonis.rehearsal.rehearsing import lacks_way, rehearse, with_ways
 from adonis.rehearsal.stage import Walk, play
 from primitives import GoToPoint
 from sim import Body
-from specs import bind_task, task_from_text
+from specs import bind_task, find_task, load_task, task_from_text
 
 TEXT = """\
 # A hand that would go through the head.
@@ -182,3 +182,20 @@ def test_the_command_writes_the_task(
     assert ended.exit_code == 0, ended.output
     assert "nape: by way of" in ended.output
     assert task_from_text(out.read_text())[0].subtasks[0].does == found["nape"].does
+
+
+def test_a_lesson_is_rehearsed_before_it_is_danced(body: Body, tmp_path: Path) -> None:
+    """Two sentences of the Macarena in words; by the straight way the hand meets the head."""
+    lines = find_task("macarena-words").read_text().splitlines()
+    head = [line for line in lines if not line[:1].isdigit()]
+    file, out = tmp_path / "nape.txt", tmp_path / "nape"
+    file.write_text("\n".join([*head, lines[len(head)], lines[len(head) + 6]]))
+    spec, document = load_task(file)
+    assert [s.words for s in spec.subtasks] == [
+        "Extend right arm straight out, palm down",
+        "Touch right hand to the back of your head",
+    ]
+    (straight,) = run_task(bind_task(spec, body, document))
+    assert not judge(straight, spec).success
+    ended = CliRunner().invoke(app, ["run", str(file), "--out", str(out)])
+    assert ended.exit_code == 0, ended.output
