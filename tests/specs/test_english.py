@@ -67,23 +67,13 @@ def test_the_table_is_as_large_as_was_promised() -> None:
     assert len(TABLE["refused"]) >= 20
 
 
-<<<<<<< HEAD
-def test_the_words_of_the_paper_mean_what_macarena_yaml_does() -> None:
-    """Primitive, limb and goal of all twelve; only via points were found by hand."""
-    said, written = load_task("macarena-words")[0], load_task("macarena")[0]
-    lasts = build_graph(said).lasts, build_graph(written).lasts
-||||||| b2ac4df
-def test_the_words_of_the_paper_mean_what_macarena_yaml_does() -> None:
-    """Primitive, limb and goal of all twelve; only via points were found by hand."""
-    said, written = load_task("macarena-words")[0], load_task("macarena")[0]
-=======
 def test_the_words_of_the_paper_mean_what_macarena_yaml_does(body: Body) -> None:
     """Primitive, limb and goal of all twelve; the ways of the hands are left to a rehearsal."""
     (said, document), (written, _) = load_task("macarena-words"), load_task("macarena")
     bind_task(said, body, document)
     assert said.rehearse
     assert not written.rehearse
->>>>>>> suite
+    lasts = build_graph(said).lasts, build_graph(written).lasts
     assert said.tempo == written.tempo
     assert said.background == written.background
     for one, other in zip(said.subtasks, written.subtasks, strict=True):
