@@ -39,8 +39,10 @@ def amended(text: str, changes: Mapping[str, Mapping[str, Any]]) -> str:
         for key, value in values.items():
             if value is None:
                 entry.pop(key, None)
-            else:
+            elif key in entry:
                 entry[key] = _written(value)
+            else:  # before the last, which carries the blank line that follows
+                entry.insert(len(entry) - 1, key, _written(value))
     stream = StringIO()
     yaml.dump(whole, stream)
     return stream.getvalue()

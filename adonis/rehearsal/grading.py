@@ -15,6 +15,7 @@ AMPLE = 0.75  # share of what is allowed that a way may use up, to be called com
 LOOKS = 20  # at the geometry of a movement
 BEYOND, NEARLY = 20.0, 4.0  # costs of a measure beyond its limit, and of one that is near to it
 FAR = 0.08  # of the palm from its goal: such a way is not looked at any further [m]
+MISSED = 1e4  # cost of that: more than of anything else
 HOPELESS = 150.0  # cost from which on it does not matter how a movement looks
 FAST = 0.15  # cost of the hand's peak speed [s/m]
 BENT = 2.0  # cost of a joint near the end of its range
@@ -49,7 +50,7 @@ def grade(recording: Recording | None, task: BoundTask, subtask: str) -> Grade:
         return FAILED
     body, miss = task.body, _miss(recording, task, subtask)
     if not miss < FAR:
-        return Grade(passes=False, comfortable=False, cost=2.0 * HOPELESS + miss / FAR)
+        return Grade(passes=False, comfortable=False, cost=MISSED * miss / FAR)
     replay = Replay(recording)
     judgement = judge(recording, task.spec, replay)
     own = next(v for v in judgement.verdicts if v.subtask.name == subtask)

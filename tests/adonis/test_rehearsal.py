@@ -166,6 +166,7 @@ def test_ways_are_written_beside_the_comments(found: dict[str, rehearsing.Rehear
     text = task_text(ways, found, TEXT)
     assert "# A hand that would go through the head." in text
     assert "# barred by the face" in text
+    assert "\n\n" not in text
     back, _ = task_from_text(text)
     assert back == ways.model_copy(update={"rehearse": False})
     assert isinstance(back.subtasks[0].does, GoToPoint)
