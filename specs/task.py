@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validator
 
-from primitives import Primitive
+from primitives import GoToPoint, Primitive
 from specs.conditions import Condition, Join, Name, Positive, Repeat, Times
 from specs.definitions import Landmark, NamedPosture
 from specs.errors import SpecError
@@ -77,6 +77,11 @@ class SubTask(_Doing):
     def _only_while(self) -> bool:
         others = (self.after, self.if_, self.otherwise)
         return others == (None, None, None) and self.done == "on-time" and self.repeat == 1
+
+    @property
+    def lacks_way(self) -> bool:
+        """Whether it brings a hand to a place and says nothing of the way."""
+        return isinstance(self.does, GoToPoint) and not self.does.via
 
     @property
     def until(self) -> Condition | None:

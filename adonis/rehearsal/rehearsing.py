@@ -65,7 +65,7 @@ def rehearse(
         SpecError: the task does not fit the body.
     """
     ways = dict(known or {})
-    wanted = [s.name for s in spec.subtasks if lacks_way(s)]
+    wanted = [s.name for s in spec.subtasks if s.lacks_way]
     spec = with_ways(spec, {name: way.does for name, way in ways.items()})
     walk = Walk(bind_task(spec, body))
     while scene := walk.next(set(wanted) - set(ways)):
@@ -79,11 +79,6 @@ def rehearse(
         if found is not None:
             found(name, ways[name])
     return ways
-
-
-def lacks_way(subtask: SubTask) -> bool:
-    """Whether it brings a hand to a place and says nothing of the way."""
-    return isinstance(subtask.does, GoToPoint) and not subtask.does.via
 
 
 def with_ways(spec: TaskSpec, ways: Mapping[str, GoToPoint]) -> TaskSpec:

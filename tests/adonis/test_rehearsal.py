@@ -12,7 +12,7 @@ from adonis.dancing import run_task
 from adonis.judging import judge
 from adonis.rehearsal import keeping, rehearsing
 from adonis.rehearsal.keeping import rehearsed, task_text
-from adonis.rehearsal.rehearsing import lacks_way, rehearse, with_ways
+from adonis.rehearsal.rehearsing import rehearse, with_ways
 from adonis.rehearsal.stage import Walk, play
 from primitives import GoToPoint
 from sim import Body
@@ -130,7 +130,7 @@ def test_only_hands_without_a_way_are_rehearsed() -> None:
     spec, _ = task_from_text(
         TEXT.replace("to: head.back_right", "to: head.back_right\n    via: [{near: head.top}]")
     )
-    assert [lacks_way(s) for s in spec.subtasks] == [False, True]
+    assert [s.lacks_way for s in spec.subtasks] == [False, True]
 
 
 def test_what_is_known_is_not_looked_for_again(

@@ -175,6 +175,13 @@ def test_the_via_point_that_is_given_leads_round(body: Body) -> None:
     assert "collision" not in {f.code for f in lint_task(task)}
 
 
+def test_a_way_that_a_rehearsal_looks_for_is_noted_only(body: Body) -> None:
+    (plain,) = found(body, REACH % ACROSS)
+    (noted,) = linted(body, "rehearse: true\nsubtasks:\n  - " + REACH % ACROSS + "\n")
+    assert (plain.severity, noted.severity) == ("warning", "note")
+    assert "rehearsal" in noted.advice
+
+
 def test_a_branch_that_is_never_taken_is_said_with_what_comes_after_it(body: Body) -> None:
     text = (
         HEAD
