@@ -177,7 +177,8 @@ def test_the_via_point_that_is_given_leads_round(body: Body) -> None:
 
 def test_a_way_that_a_rehearsal_looks_for_is_noted_only(body: Body) -> None:
     (plain,) = found(body, REACH % ACROSS)
-    (noted,) = linted(body, "rehearse: true\nsubtasks:\n  - " + REACH % ACROSS + "\n")
+    text = HEAD.replace("task: t\n", "task: t\nrehearse: true\n")
+    (noted,) = linted(body, text + "subtasks:\n  - " + REACH % ACROSS + "\n")
     assert (plain.severity, noted.severity) == ("warning", "note")
     assert "rehearsal" in noted.advice
 
