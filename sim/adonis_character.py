@@ -288,8 +288,8 @@ class _Builder:
         self._joints(forearm, (f"{side}_elbow",))
         _hanging(forearm, fa)
         r = fa.radius
-        # As far below the crook as a hand is wide: it lies there when the elbow is bent, too.
-        self._landmark(f"{side}_elbow.inside", forearm, (0, 0, -0.2 * fa.length), (1, -0.5 * s, 0))
+        # Half a hand's length below the crook: a hand lies there when the elbow is bent, too.
+        self._landmark(f"{side}_elbow.inside", forearm, (0, 0, -0.36 * fa.length), (1, -0.5 * s, 0))
         self._capsule(
             forearm, f"{side}_forearm", (0, 0, 0), (0, 0, -0.5 * fa.length), 1.05 * r, SKIN
         )

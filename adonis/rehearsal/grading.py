@@ -56,7 +56,7 @@ def grade(recording: Recording | None, task: BoundTask, subtask: str) -> Grade:
     own = next(v for v in judgement.verdicts if v.subtask.name == subtask)
     does = own.subtask.does
     assert isinstance(does, GoToPoint)  # else it would have missed
-    held = _held(task, recording)
+    held = _held(task, recording, subtask)
     others = [m for v in judgement.verdicts if v.subtask.name in held for m in v.measures]
     measures = [*own.measures, *judgement.checks, *others]
     shares = np.array([_share(m) for m in measures])
@@ -92,19 +92,32 @@ def _miss(recording: Recording, task: BoundTask, subtask: str) -> float:
     return float(np.linalg.norm(palm - last.point(does.palm_goal(task.body).place)))
 
 
-def _held(task: BoundTask, recording: Recording) -> set[str]:
-    """Sub-tasks that were over as the recording began, and whose goals are still held."""
+def _held(task: BoundTask, recording: Recording, subtask: str) -> set[str]:
+    """Sub-tasks that were over as the recording began, and whose goals are still held.
+
+    Not those whose goal is on what the sub-task itself moves: it cannot help to take it away.
+    """
     claims = dict(zip(task.graph.order, (set(f.claims.tolist()) for f in task.fields), strict=True))
     begun = {s.name: s for s in recording.spans if np.isfinite(s.start)}
     return {
         name
         for name, span in begun.items()
         if span.end <= recording.time[0] + recording.timestep
+        and not _carries(task, claims[subtask], name)
         and not any(
             other.start > span.start and claims[name] & claims[other.name]
             for other in begun.values()
         )
     }
+
+
+def _carries(task: BoundTask, dofs: set[int], name: str) -> bool:
+    """Whether the goal of a sub-task is on what these joints move."""
+    does = task.graph.subtasks[name].does
+    if not isinstance(does, GoToPoint):
+        return False
+    link = does.palm_goal(task.body).place.link
+    return bool(task.body.ancestors[link][sorted(dofs)].any())
 
 
 def _share(measure: Measure) -> float:
