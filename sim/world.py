@@ -96,10 +96,14 @@ class World:
         self._force = batch.bind("xfrc_applied") if pushes else None
         self._qpos, self._qvel = batch.bind("qpos"), batch.bind("qvel")
         self._time, self._warmstart = batch.bind("time"), batch.bind("qacc_warmstart")
+        live = self._time, self._qpos, self._qvel
+        seen = [np.ascontiguousarray(array) for array in live]
+        self._copies = [(a, b) for a, b in zip(seen, live, strict=True) if a is not b]
+        time, qpos, qvel = (read_only(array.view()) for array in seen)
         self.state = State(
-            time=read_only(self._time.view()),
-            qpos=read_only(self._qpos.view()),
-            qvel=read_only(self._qvel.view()),
+            time=time,
+            qpos=qpos,
+            qvel=qvel,
             xpos=read_only(batch.bind("xpos").view()),
             xmat=read_only(batch.bind("xmat").view()),
             cdof=read_only(batch.bind("cdof").view()),
@@ -121,6 +125,7 @@ class World:
         self._qpos[:] = self.body.home if qpos is None else qpos
         self._qvel[:] = 0.0 if qvel is None else qvel
         self._batch.forward(stage=_KINEMATICS)
+        self._look()
 
     def moment(self, simulation: int = 0) -> Moment:
         """One of the simulations as it is now."""
@@ -134,6 +139,7 @@ class World:
         self._time[:], self._warmstart[:] = moment.time, moment.warmstart
         self._qpos[:], self._qvel[:] = moment.qpos, moment.qvel
         self._batch.forward(stage=_KINEMATICS)
+        self._look()
 
     def step(self, torque: FloatArray) -> None:
         """Apply joint torques (n, nv) [N m] for one time step and bring `state` up to date.
@@ -147,6 +153,7 @@ class World:
         if self._force is not None:
             self._push(self._force)
         self._batch.step(stage=_KINEMATICS)
+        self._look()
 
     @cached_property
     def torque(self) -> FloatArray:
@@ -174,6 +181,15 @@ class World:
             raise Diverged(
                 f"simulation {i} went wrong at {self.state.time[i]:.3f} s (MuJoCo: {what})"
             )
+
+    def _look(self) -> None:
+        """Bring the times, positions and velocities of `state` up to date.
+
+        MuJoCo keeps those of many simulations in rows of something larger. To compiled code that
+        is another type than the arrays of one simulation, and all of it would be compiled twice.
+        """
+        for seen, live in self._copies:
+            seen[:] = live
 
     def _push(self, force: FloatArray) -> None:
         force[:] = 0.0

@@ -101,8 +101,8 @@ def test_compiled_code_sees_the_same_types_however_a_state_was_made(body: Body) 
     """Else a loop of one's own would compile everything anew, for many seconds."""
     data = mujoco.MjData(body.model)
     mujoco.mj_forward(body.model, data)
-    ours, one = World(body, inertia=True).state, World(body, 4, inertia=True).state.of_one(2)
-    plain = State.of(data)
+    ours, many = World(body, inertia=True).state, World(body, 4, inertia=True).state
+    states = (ours, many, many.of_one(2), State.of(data))
     for field in fields(State):
-        kinds = {typeof(getattr(state, field.name)) for state in (ours, one, plain)}
+        kinds = {typeof(getattr(state, field.name)) for state in states}
         assert len(kinds) == 1, f"{field.name}: {kinds}"
