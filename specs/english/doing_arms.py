@@ -217,7 +217,7 @@ def relax(roles: Roles, sense: Sense, context: Context) -> Stages:
 
 def hold(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Keep something as it is: hold."""
-    if "joints" in sense or roles.object is None:
+    if "joints" in sense or (roles.object is None and roles.hand is None):
         joints = list(sense.get("joints", ["all"]))
         moves = frozenset(
             {"right_arm", "left_arm", "waist", "neck"} if joints == ["all"] else joints
