@@ -346,6 +346,7 @@ def home(roles: Roles, sense: Sense, context: Context) -> Stages:
     for side in SIDES:
         context.arms[side] = HANGING
     context.raised.clear()
+    context.both = ""
     return [[step]]
 
 

@@ -153,6 +153,10 @@ def _with(sense: Sense, roles: Roles) -> bool:
             return any(way.key not in STILL for way in roles.ways) or bool(
                 roles.palm and roles.object
             )
+        case "return":
+            return [way.key for way in roles.ways] == ["back"] and _text(
+                roles.ways[0].words
+            ).lower() == "back"
         case "together":
             return any(way.key == "together" for way in roles.ways)
         case "state":
