@@ -173,6 +173,8 @@ def check(
     from specs import SpecError, bind_task, lint_task, refusal
 
     kinds = classes(primitives)
+    if explain and not as_json:
+        print_explanation(task)
     try:
         spec, document = read(task, tempo, kinds)
         bound = bind_task(spec, load_body(body), document)
@@ -188,8 +190,6 @@ def check(
         from rich.console import Console
 
         console = Console()
-        if explain:
-            print_explanation(task)
         print_plan(console, bound)
         print_findings(console, found)
     raise typer.Exit(FAILED if any(f.severity == "error" for f in found) else 0)

@@ -32,25 +32,37 @@ class Context:
     last: tuple[str, ...] = ()  # sides of the arms that were moved last
     arms: dict[str, Held | None] = field(default_factory=lambda: dict.fromkeys(SIDES, HANGING))
     raised: set[str] = field(default_factory=set)  # arms that are up, to wave
+    both: str = ""  # "sentence" or "before": both arms were named last, in this sentence or before
     mirrored: bool = False  # whether left is right: "repeat with the other hand"
+
+    def begin(self) -> None:
+        """A sentence begins."""
+        self.both = self.both and "before"
 
     def side(self, said: str) -> str:
         """The side that a word means."""
         return opposite(said) if self.mirrored and said in SIDES else said
 
-    def hands(self, noun: Noun | None, *, default: str = "", both: bool = False) -> Hands:
+    def hands(
+        self, noun: Noun | None, *, default: str = "", both: bool = False, place: bool = False
+    ) -> Hands:
         """Which hands a noun phrase means; nothing said is the hand used last.
 
         Args:
             noun: what was said, if anything.
             default: the side to take when nothing was said and no hand was used.
             both: take both then.
+            place: they go to a place; both only if this sentence named them.
 
         Raises:
             Problem: it could be one or the other.
         """
-        if noun is None:
-            return self._understood(default, both)
+        hands = self._named(noun) if noun is not None else self._understood(default, both, place)
+        named = "sentence" if noun is not None else self.both
+        self.both = named if hands.both else ""
+        return hands
+
+    def _named(self, noun: Noun) -> Hands:
         words = noun.words
         if noun.side and not noun.both:
             return Hands((self.side(noun.side),), words)
@@ -73,9 +85,11 @@ class Context:
             )
         raise Problem.of(_which(noun), words)
 
-    def _understood(self, default: str, both: bool) -> Hands:
+    def _understood(self, default: str, both: bool, place: bool) -> Hands:
         if both:
             return Hands(SIDES, (), "both hands")
+        if self.both == "sentence" or (self.both and not place):
+            return Hands(SIDES, (), "both arms, named last")
         if default:
             return Hands((default,), (), f"the {default} hand")
         if len(self.last) == 1:

@@ -103,7 +103,8 @@ def _tilted(way: str | list[float], degrees: float) -> list[float]:
 
 def rest(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Let an arm hang as at the beginning: get-posture rest."""
-    for way in roles.ways:
+    returns = sense.get("with") == "return"
+    for way in roles.ways if not returns else ():
         if way.key not in ("rest", "down"):
             raise Problem.of(f"{quoted(way.words)} has no meaning with {roles.verb!r}", way.words)
     hands = hands_of(roles, context)
@@ -112,6 +113,8 @@ def rest(roles: Roles, sense: Sense, context: Context) -> Stages:
         step = limb(hands, step_of(roles, "get-posture", side, posture="rest"), side)
         for way in roles.ways:
             step.because(way.words, "posture", "rest")
+        if returns:
+            step.assume("'back' is to the posture of rest; behind you is 'backward'")
         if not roles.ways:
             step.assume("lowered to the posture of rest")
         context.arms[side] = HANGING
@@ -217,7 +220,7 @@ def relax(roles: Roles, sense: Sense, context: Context) -> Stages:
 
 def hold(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Keep something as it is: hold."""
-    if "joints" in sense or roles.object is None:
+    if "joints" in sense or (roles.object is None and roles.hand is None):
         joints = list(sense.get("joints", ["all"]))
         moves = frozenset(
             {"right_arm", "left_arm", "waist", "neck"} if joints == ["all"] else joints

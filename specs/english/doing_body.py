@@ -67,6 +67,10 @@ def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     if "sideways" in swing and any(way.key == "sideways" for way in roles.ways):
         swing = rhythms[swing["sideways"]]
     of_arms = any("{side}" in joint for joint in swing["joints"])
+    if roles.hand is not None and not of_arms:
+        raise Problem.of(
+            f"{_text(roles.hand.words)!r} has no meaning with {roles.verb!r}", roles.hand.words
+        )
     hands = _waving(roles, context) if of_arms else Hands(())
     joints: dict[str, Any] = {}
     size = size_of(roles)
@@ -204,7 +208,7 @@ def point(roles: Roles, sense: Sense, context: Context) -> Stages:
         if roles.places or (not has_arm and roles.object)
         else []
     )
-    hands = context.hands(roles.object if has_arm else roles.hand)
+    hands = hands_of(roles, context) if has_arm else context.hands(roles.hand)
     steps = []
     for side in hands.sides:
         step = limb(hands, step_of(roles, "point-at", side), side)
@@ -229,6 +233,11 @@ def follow(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Let a palm follow another hand: follow; the head: look-at."""
     if roles.hand is not None and roles.hand.what in ("head", "place"):
         return look(roles, sense, context)
+    if roles.hand is not None and roles.hand.what not in ("arm", "palm", ""):
+        raise Problem.of(
+            f"{roles.verb!r} is done with a hand or the eyes, not with {_text(roles.hand.words)!r}",
+            roles.hand.words,
+        )
     at = _aim(roles, context)
     goal = (
         context.hands(at.noun)
@@ -337,6 +346,7 @@ def home(roles: Roles, sense: Sense, context: Context) -> Stages:
     for side in SIDES:
         context.arms[side] = HANGING
     context.raised.clear()
+    context.both = ""
     return [[step]]
 
 

@@ -41,8 +41,10 @@ def _goers(roles: Roles, context: Context, where: Noun) -> Hands:
         return context.hands(None, both=True)
     if where.side and "side" in meaning and "head" not in str(meaning.get("place")):
         side = context.side(where.side)
-        return context.hands(None, default=side if meaning["side"] == "own" else opposite(side))
-    return context.hands(None)
+        return context.hands(
+            None, default=side if meaning["side"] == "own" else opposite(side), place=True
+        )
+    return context.hands(None, place=True)
 
 
 def _target(roles: Roles) -> Phrase:

@@ -115,6 +115,7 @@ class _Reader:
             told = Told(_shown(sentence, lesson.layout), sentence.words[0].line)
             lesson.told.append(told)
             self._sequence.sentence = len(lesson.told)
+            self._context.begin()
             try:
                 self._sentence(sentence, told)
             except Problem as problem:

@@ -53,6 +53,7 @@ def stages_of(roles: Roles, context: Context) -> Stages:
         raise _nothing_fits(roles, senses)
     does = sense["does"]
     act, uses = USES[does]
+    _by_hand(roles, does, uses)
     stages = act(roles, sense, context)
     _nothing_left(roles, does, uses)
     for word in roles.manners:
@@ -64,6 +65,14 @@ def stages_of(roles: Roles, context: Context) -> Stages:
             step.because(way.words, "primitive", step.primitive)
     set_times(roles, stages, does, context)
     return stages
+
+
+def _by_hand(roles: Roles, does: str, uses: set[str]) -> None:
+    """Only a hand does anything; a gaze follows."""
+    noun = roles.hand
+    if noun is None or noun.what in ("arm", "palm", "") or "hand" not in uses or does == "follow":
+        return
+    raise Problem.of(f"{roles.verb!r} is done with a hand, not with {_quoted(noun)}", noun.words)
 
 
 def _senses(roles: Roles) -> Sequence[Sense]:
@@ -144,6 +153,10 @@ def _with(sense: Sense, roles: Roles) -> bool:
             return any(way.key not in STILL for way in roles.ways) or bool(
                 roles.palm and roles.object
             )
+        case "return":
+            return [way.key for way in roles.ways] == ["back"] and _text(
+                roles.ways[0].words
+            ).lower() == "back"
         case "together":
             return any(way.key == "together" for way in roles.ways)
         case "state":
@@ -175,7 +188,7 @@ def _nothing_fits(roles: Roles, senses: Sequence[Sense]) -> Problem:
         )
         return Problem.of(f"{roles.verb!r} needs {needs}{example}", roles.clause.words)
     noun = roles.object
-    said = repr(" ".join(map(str, noun.words))) if noun is not None else "nothing"
+    said = _quoted(noun) if noun is not None else "nothing"
     words = noun.words if noun is not None else roles.clause.words
     return Problem.of(f"{roles.verb!r} is said of {shown}, not of {said}", words)
 
@@ -188,6 +201,10 @@ def _nothing_left(roles: Roles, does: str, uses: set[str]) -> None:
     for word in roles.manners:
         if "size" in word.entry.meaning and does not in SIZED:
             raise Problem.of(f"{word.text!r} has no meaning with {roles.verb!r}", [word])
+        if "size" in word.entry.meaning and roles.angle is not None:
+            raise Problem.of(
+                f"{word.text!r} or {_text(roles.angle.words)!r}: which of them?", [word]
+            )
     if does in ("hold", "wait"):
         for way in roles.ways:
             if way.key not in STILL:
@@ -196,6 +213,10 @@ def _nothing_left(roles: Roles, does: str, uses: set[str]) -> None:
                 )
     if roles.tempo is not None:
         raise Problem.of("the tempo is said in a sentence of its own", roles.tempo.words)
+
+
+def _quoted(noun: Noun) -> str:
+    return repr(_text(noun.words))
 
 
 def _text(words: Sequence[Word]) -> str:

@@ -77,10 +77,13 @@ def sort(clause: Clause) -> Roles:
     """
     roles = Roles(clause, object=clause.subject)
     aspect: Noun | None = None  # palm or elbow, if directions are about that
+    aspects: list[tuple[Noun, Phrase]] = []
     for phrase in clause.phrases:
         match phrase.kind:
             case "thing" | "place":
-                aspect = _thing(roles, phrase, aspect)
+                before, aspect = aspect, _thing(roles, phrase, aspect)
+                if aspect is not None and aspect is not before:
+                    aspects.append((aspect, phrase))
             case "direction":
                 _way(roles, Way(phrase.key, phrase.words), aspect)
             case "state":
@@ -112,7 +115,21 @@ def sort(clause: Clause) -> Roles:
                 roles.together = phrase.words
             case "in_turn":
                 roles.in_turn = phrase.words
+    for noun, phrase in aspects:
+        _no_aspect(roles, noun, phrase)
     return roles
+
+
+def _no_aspect(roles: Roles, noun: Noun, phrase: Phrase) -> None:
+    """A palm or an elbow of which nothing was said is what the clause is done with."""
+    ways: list[Way] = getattr(roles, noun.what)
+    if any(way.words[: len(noun.words)] == noun.words for way in ways):
+        return
+    if phrase.preposition is None:
+        raise Problem.of(f"{phrase.text!r}: how? nothing is said of it", phrase.words)
+    if roles.hand is not None:
+        raise Problem.of("two hands are named to do it with", phrase.words)
+    roles.hand = noun
 
 
 def _thing(roles: Roles, phrase: Phrase, aspect: Noun | None) -> Noun | None:
@@ -128,6 +145,8 @@ def _thing(roles: Roles, phrase: Phrase, aspect: Noun | None) -> Noun | None:
     if not noun.what and not noun.pronoun:
         return _bare(roles, phrase, noun, relation, aspect)
     if relation == "with":
+        if phrase.numbers:
+            raise Problem.of(f"{phrase.text!r} has no meaning", phrase.words)
         if noun.what in ("palm", "elbow"):
             return noun
         if roles.hand is not None:
@@ -164,7 +183,10 @@ def _bare(
     on = phrase.preposition is not None and phrase.preposition.text.lower().endswith("on")
     towards = relation in ("to", "toward", "for", "from") and not on
     if noun.side and alone and (towards or (not relation and noun.words[0].kind == "SIDE")):
-        _way(roles, Way(noun.side, phrase.words), aspect)
+        measure = phrase.words[: 2 * len(phrase.numbers)]
+        if measure:  # "45 degrees to the left"
+            _amount(roles, replace(phrase, words=measure), aspect)
+        _way(roles, Way(noun.side, phrase.words[len(measure) :]), aspect)
         return aspect
     if relation == "with" and (noun.side or noun.other or noun.both):
         roles.hand = noun

@@ -184,6 +184,22 @@ def test_errors_of_binding_point_into_the_text(body: Body) -> None:
     assert caught.value.line == 2
 
 
+@pytest.mark.parametrize(
+    ("text", "most"),
+    [
+        ("Turn 180 degrees to the left.", "it moves from -40 to 40"),
+        ("Turn your body 45 degrees to the left.", "it moves from -40 to 40"),
+        ("Turn your head 90 degrees to the left.", "it moves from -75 to 75"),
+    ],
+)
+def test_a_number_that_is_too_large_is_refused_with_the_most(
+    text: str, most: str, body: Body
+) -> None:
+    spec, document = task_from_text(text, "turn.txt")
+    with pytest.raises(SpecError, match=most):
+        bind_task(spec, body, document)
+
+
 def test_repeating_cannot_explode() -> None:
     for count, times in ((1, 10_000), (12, 9)):
         text = "Nod and bow.\n" + f"Repeat everything {times} times.\n" * count
