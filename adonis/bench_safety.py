@@ -37,12 +37,8 @@ def safety(body: Body, tell: Callable[[str], None]) -> dict[str, dict[str, float
 
 def _far() -> TaskSpec:
     """An arm that moves where it meets nothing."""
-    bent = {"shoulder_x": -40.0, "elbow": -60.0}
     arms = {
-        side: GetPosture(
-            limb=f"{side}_arm",
-            posture={f"{side}_{joint}": angle for joint, angle in bent.items()},
-        )
+        side: GetPosture(limb=f"{side}_arm", posture={f"{side}_arm": 20.0})
         for side in ("right", "left")
     }
     upright = GetPosture(joints=("waist", "neck"), posture="upright")

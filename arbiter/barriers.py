@@ -381,25 +381,26 @@ def look_at_pairs(
                     count,
                     near,
                 )
+    last, link, view, in_link = -1, -1, 0.0, (0.0, 0.0, 0.0)
     for p in range(brushing.shape[0]):
         m, n = brushing[p].a, brushing[p].b
-        place(x, capsules, m, placed)
-        place(x, capsules, n, placed)
         a, b = capsules[m], capsules[n]
-        middle_a = placed[m, 0], placed[m, 1], placed[m, 2]
-        middle_b = placed[n, 0], placed[n, 1], placed[n, 2]
-        passing = subtract(
-            velocity_at(x, moving, a.link, middle_a), velocity_at(x, moving, b.link, middle_b)
-        )
-        turn_a, turn_b = (
-            spin(moving, x.links[a.link].last_dof), spin(moving, x.links[b.link].last_dof)
-        )  # fmt: skip
-        view = look_from(
-            np.sqrt(dot(passing, passing))
-            + a.reach * np.sqrt(dot(turn_a, turn_a))
-            + b.reach * np.sqrt(dot(turn_b, turn_b))
-        )
-        if closer(middle_a, middle_b, a.reach + b.reach + view):
+        if n != last or a.link != link:
+            last, link = n, a.link
+            centre = to_world(x, b.link, vector(b.middle))
+            in_link = to_link(x, link, centre)
+            passing = subtract(
+                velocity_at(x, moving, b.link, centre), velocity_at(x, moving, link, centre)
+            )
+            turning = subtract(
+                spin(moving, x.links[b.link].last_dof), spin(moving, x.links[link].last_dof)
+            )
+            view = look_from(
+                np.sqrt(dot(passing, passing)) + b.reach * np.sqrt(dot(turning, turning))
+            )
+        if closer(in_link, vector(a.middle), a.reach + b.reach + view):
+            place(x, capsules, m, placed)
+            place(x, capsules, n, placed)
             count = look_at_capsules(
                 x, a, b, placed, m, n, -BRUSH, view, moving, count, count, near
             )  # fmt: skip

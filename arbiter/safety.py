@@ -174,4 +174,4 @@ def brushing(body: Body) -> Records:
         links = frozenset(int(model.geom_bodyid[g]) for g in pair)
         if links not in apart and all(g in geoms for g in pair):
             found.append(tuple(geoms.index(int(g)) for g in pair))
-    return np.array(found, dtype=PAIR)
+    return np.array(sorted(found, key=lambda pair: pair[1]), dtype=PAIR)
