@@ -174,6 +174,8 @@ def check(
     from sim import BodyError, load_body
     from specs import SpecError, bind_task, lint_task, refusal
 
+    if explain and not as_json:
+        print_explanation(task)
     classes = _classes(primitives)
     try:
         spec, document = _read(task, tempo, classes)
@@ -190,8 +192,6 @@ def check(
         from rich.console import Console
 
         console = Console()
-        if explain:
-            print_explanation(task)
         print_plan(console, bound)
         print_findings(console, found)
     raise typer.Exit(FAILED if any(f.severity == "error" for f in found) else 0)
