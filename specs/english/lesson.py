@@ -252,12 +252,15 @@ def _with_links(parsed: Parsed) -> Parsed:
     first = clauses[0].link
     if first == "while" and len(clauses) > 1:
         clauses[1] = replace(clauses[1], link="while")
+        clauses[0] = replace(clauses[0], beside=True)
     if first not in ("together",):
         clauses[0] = replace(clauses[0], link="")
     listed = any(clause.link == "comma" for clause in clauses)
     for k, clause in enumerate(clauses[1:], start=1):
         link = clause.link
-        if link == "comma" or (link in ("and", "comma-and") and listed):
+        if link == "while" and first != "while":
+            clauses[k] = replace(clause, beside=True)
+        elif link == "comma" or (link in ("and", "comma-and") and listed):
             clauses[k] = replace(clause, link="then")
         elif link == "comma-and":
             clauses[k] = replace(clause, link="and")
