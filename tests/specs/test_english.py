@@ -148,6 +148,16 @@ def test_all_that_is_wrong_is_said_at_once() -> None:
     assert "-> 2-nod-neck-y: oscillate" in explained
 
 
+def test_what_is_repeated_is_told() -> None:
+    lines = "Raise your right arm.\nLower it.\n"
+    for said, told in (
+        ("Repeat this twice.", "repeats line 2, 'Lower it': 2 times; for all say 'Repeat ever"),
+        ("Repeat everything.", "repeats lines 1 to 2: once"),
+        ("Repeat lines 1 to 2 twice.", "repeats lines 1 to 2: 4 sentences in all"),
+    ):
+        assert f"= {told}" in explain(read_lesson(lines + said, "again.txt"))
+
+
 def test_every_word_is_explained_or_without_effect() -> None:
     """Of what was understood, nothing is dropped without being told."""
     for row in TABLE["means"]:
