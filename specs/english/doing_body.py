@@ -63,7 +63,7 @@ def turn(roles: Roles, sense: Sense, context: Context) -> Stages:
 
 def order(roles: Roles) -> list[Way]:
     """Left and right one after the other, each once: nothing if more is said than that."""
-    if any((roles.count, roles.rate, roles.time, roles.until, roles.angle)):
+    if any((roles.count, roles.rate, roles.time, roles.until)):
         return []
     ways = [
         Way(word, way.words)
@@ -118,6 +118,10 @@ def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     step.because([roles.clause.verb] if roles.clause.verb else (), "primitive", "oscillate")
     if roles.object is not None:
         step.because(roles.object.words, "joints", ", ".join(joints))
+    if roles.hand is not None:
+        step.because(roles.hand.words, "joints", ", ".join(joints))
+    if roles.angle is not None:
+        step.because(roles.angle.words, "joints", f"{roles.angle.number:g} degrees")
     if hands.assumed:
         step.assume(hands.assumed)
     _first(roles, swing, step, context)

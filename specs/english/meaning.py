@@ -24,11 +24,11 @@ USES: dict[str, tuple[Callable[[Roles, Sense, Context], Stages], set[str]]] = {
     "reach_to": (doing_hands.reach_to, {"object", "hand"}),
     "cross": (doing_hands.cross, {"object", "hand", "places"}),
     "press": (doing_hands.press, {"object", "hand", "ways", "places"}),
-    "clap": (doing_hands.clap, {"object"}),
+    "clap": (doing_hands.clap, {"object", "hand"}),
     "relax": (doing_arms.relax, {"object", "hand"}),
     "hold": (doing_arms.hold, {"object", "hand", "ways"}),
     "turn": (doing_body.turn, {"object", "ways", "states", "angle"}),
-    "turns": (doing_body.turns, {"object", "ways"}),
+    "turns": (doing_body.turns, {"object", "ways", "angle"}),
     "rhythm": (doing_body.rhythm, {"object", "hand", "ways", "angle"}),
     "look": (doing_body.look, {"object", "places"}),
     "point": (doing_body.point, {"object", "hand", "places", "ways"}),
@@ -115,7 +115,7 @@ def _convert(roles: Roles, senses: Sequence[Sense]) -> None:
 
 
 def _fits(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
-    return _of(sense, senses, roles) and _with(sense, roles)
+    return _of(sense, senses, roles) and _with(sense, senses, roles)
 
 
 def _of(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
@@ -145,14 +145,15 @@ def _plural(noun: Noun) -> bool:
     return noun.plural or (noun.pronoun is not None and noun.pronoun.entry.key == "them")
 
 
-def _with(sense: Sense, roles: Roles) -> bool:
+def _with(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
     """Whether all is said that a sense needs."""
     match sense.get("with"):
         case "place" | "target":
             return bool(roles.places)
         case "direction":
+            usual = any("arm" in s for s in senses)  # "raise your arm, palm in": up
             return any(way.key not in STILL for way in roles.ways) or bool(
-                roles.palm and roles.object
+                roles.palm and roles.object and not usual
             )
         case "return":
             return [way.key for way in roles.ways] == ["back"] and _text(
