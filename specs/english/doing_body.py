@@ -266,8 +266,11 @@ def point(roles: Roles, sense: Sense, context: Context) -> Stages:
 
 def follow(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Let a palm follow another hand: follow; the head: look-at."""
-    if roles.hand is not None and roles.hand.what in ("head", "place"):
-        return look(roles, sense, context)
+    gaze = roles.hand.noun if roles.hand is not None else None
+    if gaze is not None and roles.hand is not None and gaze.entry.key in ("head", "face"):
+        stages = look(roles, sense, context)
+        stages[0][0].because(roles.hand.words, "primitive", "look-at")
+        return stages
     if roles.hand is not None and roles.hand.what not in ("arm", "palm", ""):
         raise Problem.of(
             f"{roles.verb!r} is done with a hand or the eyes, not with {_text(roles.hand.words)!r}",
