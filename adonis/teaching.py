@@ -48,7 +48,7 @@ def words(
     ] = None,
 ) -> None:
     """Print the words that lessons in English may use, or what one of them means."""
-    from specs.english.problems import nearest
+    from specs.english.problems import nearest, only_in
     from specs.english.reference import meanings, reference
     from specs.english.vocabulary import vocabulary
 
@@ -57,7 +57,10 @@ def words(
         return
     found = meanings(word)
     if not found:
-        refuse(f"unknown word {word!r}{nearest(word, list(vocabulary().entries))}")
+        known = list(vocabulary().entries)
+        phrases = only_in(vocabulary().phrases(word))
+        near = nearest(word, known) or nearest(word, known, most=5, alike=0.4)
+        refuse(f"unknown word {word!r}{phrases or near}")
     for line in found:
         typer.echo(line)
 

@@ -1,12 +1,13 @@
 """Verbs of head and trunk, of rhythm, gaze and rest: see `doing_arms` for what they are."""
 
+from dataclasses import replace
 from typing import Any
 
 from specs.english.context import HANGING, Context, Hands
 from specs.english.doing import Sense, Stages, hands_of, limb, shown, size_of, step_of
 from specs.english.places import VECTORS, direction, landmark
 from specs.english.problems import Problem
-from specs.english.roles import Roles
+from specs.english.roles import Roles, Way
 from specs.english.sentences import Phrase, Word
 from specs.english.steps import SIDES, Step, opposite, plain
 from specs.english.vocabulary import vocabulary
@@ -60,10 +61,40 @@ def turn(roles: Roles, sense: Sense, context: Context) -> Stages:
     return [[step]]
 
 
+def order(roles: Roles) -> list[Way]:
+    """Left and right one after the other, each once: nothing if more is said than that."""
+    if any((roles.count, roles.rate, roles.time, roles.until)):
+        return []
+    ways = [
+        Way(word, way.words)
+        for way in roles.ways
+        for word in (_text(way.words).lower().split() if way.key == "sideways" else [way.key])
+        if word in SIDES or way.key != "sideways"
+    ]
+    from_side = any(_text(way.words).lower().startswith("from") for way in roles.ways)
+    return ways if len(ways) > 1 and not from_side and {w.key for w in ways} <= {*SIDES} else []
+
+
+def turns(roles: Roles, sense: Sense, context: Context) -> Stages:
+    """Turn one way and then the other: a get-posture each."""
+    stages: Stages = []
+    for way in order(roles):
+        stages += turn(replace(roles, ways=[way]), sense, context)
+    return stages
+
+
+def to_and_fro(ways: list[Way]) -> list[Way]:
+    """Forward and back, said as two directions, are one swing."""
+    if sorted(way.key for way in ways) != ["back", "forward"]:
+        return ways
+    return [Way("fore-and-aft", (*ways[0].words, *ways[1].words))]
+
+
 def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Swing joints to and fro: oscillate. An arm that waves is raised first."""
     rhythms = vocabulary().data["rhythms"]
     swing = rhythms[sense["rhythm"]]
+    roles.ways = to_and_fro(roles.ways)
     if "sideways" in swing and any(way.key == "sideways" for way in roles.ways):
         swing = rhythms[swing["sideways"]]
     of_arms = any("{side}" in joint for joint in swing["joints"])
@@ -87,6 +118,10 @@ def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     step.because([roles.clause.verb] if roles.clause.verb else (), "primitive", "oscillate")
     if roles.object is not None:
         step.because(roles.object.words, "joints", ", ".join(joints))
+    if roles.hand is not None:
+        step.because(roles.hand.words, "joints", ", ".join(joints))
+    if roles.angle is not None:
+        step.because(roles.angle.words, "joints", f"{roles.angle.number:g} degrees")
     if hands.assumed:
         step.assume(hands.assumed)
     _first(roles, swing, step, context)
@@ -231,8 +266,11 @@ def point(roles: Roles, sense: Sense, context: Context) -> Stages:
 
 def follow(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Let a palm follow another hand: follow; the head: look-at."""
-    if roles.hand is not None and roles.hand.what in ("head", "place"):
-        return look(roles, sense, context)
+    gaze = roles.hand.noun if roles.hand is not None else None
+    if gaze is not None and roles.hand is not None and gaze.entry.key in ("head", "face"):
+        stages = look(roles, sense, context)
+        stages[0][0].because(roles.hand.words, "primitive", "look-at")
+        return stages
     if roles.hand is not None and roles.hand.what not in ("arm", "palm", ""):
         raise Problem.of(
             f"{roles.verb!r} is done with a hand or the eyes, not with {_text(roles.hand.words)!r}",

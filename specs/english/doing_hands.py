@@ -193,7 +193,10 @@ def _meeting(roles: Roles, hands: Hands, side: str, near: Mapping[str, Any] = CL
 
 def clap(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Palms apart and together in front of the chest, so many times."""
-    hands = Hands(SIDES, roles.object.words if roles.object else ())
+    named = roles.object is not None or roles.hand is not None
+    hands = hands_of(roles, context) if named else Hands(SIDES)
+    if not hands.both:
+        raise Problem.of(f"{roles.verb!r} needs both hands", hands.words)
     steps = []
     for side in SIDES:
         step = _meeting(roles, hands, side)

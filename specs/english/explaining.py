@@ -15,12 +15,10 @@ def explain(lesson: Lesson) -> str:
     """A lesson sentence by sentence, problems where they stand."""
     known = vocabulary().known()
     lines = list(_head(lesson))
-    shown: set[int] = set()
+    shown = {id(told.problem) for told in lesson.told}
     for told in lesson.told:
         lines.append("")
         lines += _sentence(told, lesson.layout, known)
-        if told.problem is not None:
-            shown.add(id(told.problem))
         for problem in lesson.problems:
             if id(problem) not in shown and problem.position.line == told.line:
                 shown.add(id(problem))

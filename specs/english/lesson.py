@@ -13,6 +13,7 @@ from specs.english.meaning import stages_of
 from specs.english.parsing import parse
 from specs.english.problems import Problem, error_of
 from specs.english.repeating import MOST_STEPS, Played, repeated
+from specs.english.repeating import told as repetition
 from specs.english.roles import LIMBS, sort, split
 from specs.english.sentences import Clause, Condition, Parsed, Raw, Sentence, Word
 from specs.english.sequence import Sequence
@@ -138,14 +139,14 @@ class _Reader:
         if self._tempo(parsed, told):
             return
         number = sentence.number if self._numbered else len(self._played) + 1
-        played = Played(number, told.line, parsed)
+        played = Played(number, told.line, parsed, told.text)
         if _repeats(parsed):
             (clause,) = parsed.clauses
             again = repeated(sort(clause), self._played, self._context)
             self._repeated += sum(len(one.steps) for one, _ in again)
             if self._repeated > MOST_STEPS:
                 raise Problem.of(f"repeating makes more than {MOST_STEPS} steps", clause.words)
-            told.note = f"lines {again[0][0].line} to {again[-1][0].line}, {len(again)} sentences"
+            told.note = repetition(again, len(self._played))
             played.plays = again
         for one, mirrored in played.plays or [(played, False)]:
             before, self._context.mirrored = self._context.mirrored, mirrored
@@ -252,12 +253,15 @@ def _with_links(parsed: Parsed) -> Parsed:
     first = clauses[0].link
     if first == "while" and len(clauses) > 1:
         clauses[1] = replace(clauses[1], link="while")
+        clauses[0] = replace(clauses[0], beside=True)
     if first not in ("together",):
         clauses[0] = replace(clauses[0], link="")
     listed = any(clause.link == "comma" for clause in clauses)
     for k, clause in enumerate(clauses[1:], start=1):
         link = clause.link
-        if link == "comma" or (link in ("and", "comma-and") and listed):
+        if link == "while" and first != "while":
+            clauses[k] = replace(clause, beside=True)
+        elif link == "comma" or (link in ("and", "comma-and") and listed):
             clauses[k] = replace(clause, link="then")
         elif link == "comma-and":
             clauses[k] = replace(clause, link="and")

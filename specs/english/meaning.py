@@ -24,10 +24,11 @@ USES: dict[str, tuple[Callable[[Roles, Sense, Context], Stages], set[str]]] = {
     "reach_to": (doing_hands.reach_to, {"object", "hand"}),
     "cross": (doing_hands.cross, {"object", "hand", "places"}),
     "press": (doing_hands.press, {"object", "hand", "ways", "places"}),
-    "clap": (doing_hands.clap, {"object"}),
+    "clap": (doing_hands.clap, {"object", "hand"}),
     "relax": (doing_arms.relax, {"object", "hand"}),
     "hold": (doing_arms.hold, {"object", "hand", "ways"}),
     "turn": (doing_body.turn, {"object", "ways", "states", "angle"}),
+    "turns": (doing_body.turns, {"object", "ways", "angle"}),
     "rhythm": (doing_body.rhythm, {"object", "hand", "ways", "angle"}),
     "look": (doing_body.look, {"object", "places"}),
     "point": (doing_body.point, {"object", "hand", "places", "ways"}),
@@ -35,7 +36,7 @@ USES: dict[str, tuple[Callable[[Roles, Sense, Context], Stages], set[str]]] = {
     "wait": (doing_body.wait, {"ways"}),
     "home": (doing_body.home, {"places", "ways"}),
 }
-SIZED = {"elbow", "turn", "rhythm"}  # "a little" makes these smaller
+SIZED = {"elbow", "turn", "turns", "rhythm"}  # "a little" makes these smaller
 TARGETED = {"look", "point", "follow"}
 STILL = ("there",)
 
@@ -58,7 +59,7 @@ def stages_of(roles: Roles, context: Context) -> Stages:
     _nothing_left(roles, does, uses)
     for word in roles.manners:
         if "size" in word.entry.meaning:
-            for step in stages[-1]:
+            for step in (step for stage in stages for step in stage):
                 step.because([word], "posture", f"{word.entry.meaning['size']:g} times as far")
     for way in roles.ways if does in ("hold", "wait") else ():
         for step in stages[-1]:
@@ -114,7 +115,7 @@ def _convert(roles: Roles, senses: Sequence[Sense]) -> None:
 
 
 def _fits(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
-    return _of(sense, senses, roles) and _with(sense, roles)
+    return _of(sense, senses, roles) and _with(sense, senses, roles)
 
 
 def _of(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
@@ -144,14 +145,15 @@ def _plural(noun: Noun) -> bool:
     return noun.plural or (noun.pronoun is not None and noun.pronoun.entry.key == "them")
 
 
-def _with(sense: Sense, roles: Roles) -> bool:
+def _with(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
     """Whether all is said that a sense needs."""
     match sense.get("with"):
         case "place" | "target":
             return bool(roles.places)
         case "direction":
+            usual = any("arm" in s for s in senses)  # "raise your arm, palm in": up
             return any(way.key not in STILL for way in roles.ways) or bool(
-                roles.palm and roles.object
+                roles.palm and roles.object and not usual
             )
         case "return":
             return [way.key for way in roles.ways] == ["back"] and _text(
@@ -163,10 +165,13 @@ def _with(sense: Sense, roles: Roles) -> bool:
             return bool(roles.states)
         case "time":
             return roles.time is not None
+        case "order":
+            return bool(doing_body.order(roles))
         case "swing":
-            to_and_fro = len([way for way in roles.ways if way.key in ("left", "right")]) > 1
-            swaying = any(way.key in doing_body.SWINGING for way in roles.ways)
-            return to_and_fro or swaying or roles.count is not None or roles.rate is not None
+            ways = doing_body.to_and_fro(roles.ways)
+            half_swings = len([way for way in ways if way.key in ("left", "right")]) > 1
+            swaying = any(way.key in doing_body.SWINGING for way in ways)
+            return half_swings or swaying or roles.count is not None or roles.rate is not None
     return True
 
 

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from specs.english.sentences import Raw, Word
+from specs.english.vocabulary import vocabulary
 from specs.errors import Position, SpecError
 
 MOST = 20  # problems that are shown
 LONGEST = 40  # characters of a word that neighbours are looked for
+FEW = 5  # phrases that are shown
 WIDEST = 160  # characters of a line that are shown
 
 
@@ -34,12 +36,19 @@ class Problem(Exception):
         """The message, with the nearest of the known words."""
         if not self.unknown:
             return self.message
-        return self.message + nearest(self.unknown, known)
+        phrases = vocabulary().phrases(self.unknown)
+        return self.message + (only_in(phrases) or nearest(self.unknown, known))
 
 
-def nearest(word: str, known: Sequence[str]) -> str:
+def only_in(phrases: Sequence[str]) -> str:
+    """The phrases that a word is known in."""
+    more = ", …" if len(phrases) > FEW else ""
+    return f"; it is known only in {', '.join(map(repr, phrases[:FEW]))}{more}" if phrases else ""
+
+
+def nearest(word: str, known: Sequence[str], *, most: int = 3, alike: float = 0.7) -> str:
     """What may have been meant instead of a word; of several forms of one, the first."""
-    close = get_close_matches(word[:LONGEST].lower(), known, n=3, cutoff=0.7)
+    close = get_close_matches(word[:LONGEST].lower(), known, n=most, cutoff=alike)
     close = [c for k, c in enumerate(close) if not any(c.startswith(d) for d in close[:k])]
     return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
 

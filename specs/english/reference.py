@@ -29,6 +29,7 @@ DONE = {
     "relax": "relax",
     "hold": "hold",
     "turn": "get-posture of",
+    "turns": "get-posture, one after the other, of",
     "rhythm": "oscillate:",
     "look": "look-at",
     "point": "point-at",
@@ -94,7 +95,7 @@ def _senses(entry: Entry) -> Iterator[str]:
 def _becomes(sense: Mapping[str, Any]) -> str:
     done = DONE[sense["does"]]
     match sense["does"]:
-        case "turn":
+        case "turn" | "turns":
             ways = vocabulary().data["ways"][sense["ways"]]
             known = ", ".join(way for way in ways if way not in ("joints", "straight"))
             return f"{done} the {ways['joints']} ({known})"

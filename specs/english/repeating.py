@@ -20,6 +20,7 @@ class Played:
     number: int | None
     line: int
     parsed: Parsed
+    text: str = ""
     steps: list[Step] = field(default_factory=list)
     plays: "list[tuple[Played, bool]]" = field(default_factory=list)
 
@@ -46,6 +47,18 @@ def repeated(roles: Roles, played: Sequence[Played], context: Context) -> list[t
     if sum(len(one.steps) for one, _ in flat) * int(times) > MOST_STEPS:
         raise Problem.of(f"repeating makes more than {MOST_STEPS} steps", words)
     return flat * int(times)
+
+
+def told(again: Sequence[tuple[Played, bool]], before: int) -> str:
+    """What is repeated, in words; of one sentence among several, how to have more of them."""
+    lines = list(dict.fromkeys(one.line for one, _ in again))
+    texts = list(dict.fromkeys(one.text for one, _ in again))
+    where = f"line {lines[0]}" if len(lines) == 1 else f"lines {lines[0]} to {lines[-1]}"
+    said = f"{where}, {texts[0]!r}" if len(texts) == 1 else where
+    many = f"{len(again)} times" if len(texts) == 1 else f"{len(again)} sentences in all"
+    rounds = "once" if len(again) == len(texts) else many
+    more = len(texts) == 1 and before > 1
+    return f"repeats {said}: {rounds}" + ("; for all say 'Repeat everything'" if more else "")
 
 
 def _chosen(roles: Roles, played: Sequence[Played]) -> Sequence[Played]:

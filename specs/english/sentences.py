@@ -121,6 +121,7 @@ class Clause:
     verb: Word | None = None
     subject: Noun | None = None  # "let your arms hang"
     link: str = ""  # "", then, and, comma, together, while
+    beside: bool = False  # said with "while": lasts as long as the rest of the sentence
 
     @property
     def text(self) -> str:

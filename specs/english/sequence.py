@@ -4,6 +4,7 @@ import re
 from typing import Any
 
 from specs.english.doing import Stages
+from specs.english.doing_body import ease
 from specs.english.problems import Problem
 from specs.english.sentences import Clause
 from specs.english.steps import Step, plain
@@ -97,16 +98,24 @@ def _even(block: list[Stages], tempo: float) -> None:
     longest = max(_seconds(stages, tempo) for stages in fixed or block)
     for stages in block:
         if stages in fixed:
+            for step in stages[-1] if _seconds(stages, tempo) < longest else ():
+                if step.clause.beside:
+                    step.assume("stays so as long as what goes with it")
             continue
         left = longest - _seconds(stages[:-1], tempo)
         for step in stages[-1]:
-            if left > 0 and "done" not in step.own and left != _seconds([[step]], tempo):
-                step.own["beats"] = plain(left * tempo / 60.0)
-                step.assumed = [said for said in step.assumed if said != "one beat"]
-                step.assume(f"for {step.own['beats']:g} beats, as long as what goes with it")
-                pace = step.parameters.get("beats_per_cycle")
-                if pace and step.own["beats"] < pace:
-                    step.parameters["ease"] = plain(0.49 * step.own["beats"] / pace)
+            own = _seconds([[step]], tempo)
+            if "done" not in step.own and (left > own or (step.clause.beside and 0 < left < own)):
+                beats = step.own["beats"] = plain(left * tempo / 60.0)
+                step.assumed = [said for said in step.assumed if not _length_said(said)]
+                unit = "beat" if beats == 1 else "beats"
+                step.assume(f"for {beats:g} {unit}, as long as what goes with it")
+                step.parameters.pop("ease", None)
+                ease(step)
+
+
+def _length_said(said: str) -> bool:
+    return said in ("one beat", "once") or said.endswith(" times")
 
 
 def _seconds(stages: Stages, tempo: float) -> float:

@@ -23,7 +23,8 @@ def set_times(roles: Roles, stages: list[list[Step]], does: str, context: Contex
     """
     if roles.most is not None and roles.until is None:
         raise Problem.of("'at most' goes with 'until'", roles.most.words)
-    for step in (step for stage in stages[-2 if does == "cross" else -1 :] for step in stage):
+    several = {"cross": 2, "turns": len(stages)}  # stages that are what is said
+    for step in (step for stage in stages[-several.get(does, 1) :] for step in stage):
         if step.primitive == "oscillate":
             _of_rhythm(roles, step)
         else:

@@ -74,6 +74,15 @@ class Vocabulary:
         useful = (w for w, found in self.entries.items() if found[0].kind not in (FILLER, "LET"))
         return sorted({word for words in useful for word in words.split()})
 
+    def phrases(self, word: str) -> list[str]:
+        """What is said with a word that means nothing alone, the first forms only."""
+        found: dict[tuple[str, str, int], str] = {}
+        for words, (entry, *_) in self.entries.items():
+            parts = words.split()
+            if len(parts) > 1 and word.lower() in parts and entry.kind != FILLER:
+                found.setdefault((entry.kind, entry.key, parts.index(word.lower())), words)
+        return list(found.values())
+
 
 @lru_cache(maxsize=1)
 def vocabulary() -> Vocabulary:

@@ -67,6 +67,10 @@ def test_words_are_listed_and_looked_up() -> None:
     code, said, _ = adonis("words", "touch")
     assert code == 0
     assert "go-to-point" in said
+    _, _, wrong = adonis("words", "shimmy")
+    assert "did you mean 'simply' or 'tummy'" in wrong
+    _, _, wrong = adonis("words", "loose")
+    assert "known only in 'hang loose'" in wrong
     code, _, wrong = adonis("words", "tuch")
     assert code == 2
     assert "did you mean 'touch'" in wrong

@@ -148,6 +148,31 @@ def test_all_that_is_wrong_is_said_at_once() -> None:
     assert "-> 2-nod-neck-y: oscillate" in explained
 
 
+def test_good_lines_are_explained_beside_bad_ones() -> None:
+    """Each problem once, under its own sentence, also where sentences share a line."""
+    text = "Nod. Raise your left elbow. Shimmy.\nBow.\n"
+    explained = explain(read_lesson(text, "mixed.txt"))
+    assert explained.count("NOT UNDERSTOOD") == 2
+    for step in ("-> 1-nod-neck-y: oscillate", "-> 4-bow-waist: get-posture"):
+        assert step in explained
+    assert explained.index("Shimmy\n") > explained.index("not of 'your left elbow'")
+
+
+def test_how_long_what_goes_beside_lasts_is_told_once() -> None:
+    explained = explain(read_lesson("Nod twice while you wave with your left hand.", "a.txt"))
+    assert "assumed: for 1 beat, as long as what goes with it" in explained
+
+
+def test_what_is_repeated_is_told() -> None:
+    lines = "Raise your right arm.\nLower it.\n"
+    for said, told in (
+        ("Repeat this twice.", "repeats line 2, 'Lower it': 2 times; for all say 'Repeat ever"),
+        ("Repeat everything.", "repeats lines 1 to 2: once"),
+        ("Repeat lines 1 to 2 twice.", "repeats lines 1 to 2: 4 sentences in all"),
+    ):
+        assert f"= {told}" in explain(read_lesson(lines + said, "again.txt"))
+
+
 def test_every_word_is_explained_or_without_effect() -> None:
     """Of what was understood, nothing is dropped without being told."""
     for row in TABLE["means"]:
