@@ -37,7 +37,7 @@ from primitives import (
     ViaPlace,
     ViaPosture,
 )
-from sim import Body, Recording, Replay, adonis, clearances
+from sim import Body, Recording, Replay, World, adonis, clearances
 from specs import (
     Background,
     BoundTask,
@@ -60,6 +60,7 @@ AMPLE = 4.0  # [s]
 OUTSIDE = 0.20  # [m] from the surface, a via point
 CALM = 1.5  # [s] for ways that are looked at for collisions
 ENOUGH = 0.7  # of the shortest time does not work
+DRAWN, ROUNDS = 256, 8  # postures that are drawn at a time, and how often
 SETTLED = 0.5  # [deg] off where a joint was asked to be
 LOOK_EVERY = 3  # rows from one look at the distances to the next
 SHARES = {"out of reach": 0.25, "too fast": 0.25, "collision": 0.2, "joint limit": 0.14,
@@ -275,10 +276,8 @@ def try_condition(body: Body, seed: int) -> Case:
     distance = float(rng.uniform(0.1, 0.4) if own else rng.uniform(0.02, 0.2))
     near = Condition(near=mark, limb="right_arm", distance=distance)
     send: Primitive = GoToPoint(limb="right_arm", to=Place(near=mark))
-    if own:  # as near as it gets: the wrist bent towards the elbow
-        bent = {"elbow": 150.0, "wrist_x": 80.0, "wrist_y": 0.0, "wrist_z": 0.0}
-        hanging = {"shoulder_y": 40.0, "shoulder_x": 20.0, "shoulder_z": 0.0}
-        send = GetPosture(limb="right_arm", posture={**bent, **hanging})
+    if own:
+        send = GetPosture(limb="right_arm", posture=_folded(body, mark, rng))
     rest = GetPosture(limb="right_arm", posture="rest")
     subtasks = [
         SubTask(name="send", does=send, seconds=AMPLE),
@@ -289,6 +288,30 @@ def try_condition(body: Body, seed: int) -> Case:
     runs = _run(task, _starts(task, seed))
     begun = any(s.outcome == "done" for r in runs for s in r.spans if s.name == "then")
     return Case("never", seed, said, not begun)
+
+
+def _folded(body: Body, mark: str, rng: np.random.Generator) -> dict[str, float]:
+    """Angles [deg] that bring the right palm as near to a mark on its own arm as it gets.
+
+    They are drawn at random, then ever nearer to the best so far.
+    """
+    arm, spot = body.arm("right_arm"), body.landmark(mark)
+    dofs, world = body.joints("right_arm"), World(body, DRAWN)
+    low, high = (side[dofs] for side in body.range)
+    best, spread = 0.5 * (low + high), 0.5 * (high - low)
+    for _ in range(ROUNDS):
+        drawn = np.clip(best + spread * rng.uniform(-1.0, 1.0, (DRAWN, len(dofs))), low, high)
+        drawn[0] = best
+        qpos = np.tile(body.home, (DRAWN, 1))
+        qpos[:, body.qpos_of_dof[dofs]] = drawn
+        world.reset(qpos)
+        palm, place = (
+            world.state.xpos[:, on.link] + world.state.xmat[:, on.link].reshape(-1, 3, 3) @ on.point
+            for on in (arm.palm, spot)
+        )
+        best = drawn[np.argmin(np.linalg.norm(palm - place, axis=1))]
+        spread = 0.5 * spread
+    return {body.dof_name(int(j)): float(np.rad2deg(q)) for j, q in zip(dofs, best, strict=True)}
 
 
 # --- fights --------------------------------------------------------------------------------
