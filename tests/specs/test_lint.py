@@ -49,7 +49,7 @@ STEPS = {
     "too-fast": (OUT % "0.15", OUT % "0.3"),
     "collision": (REACH % ACROSS, REACH % "{point: [0.4, -0.3, 0.3]}"),
     "stuck": (REACH % "head.back", REACH % "{point: [0.4, -0.3, 0.3]}"),
-    "never": (IF % "0.2", IF % "0.3"),
+    "never": (IF % "0.15", IF % "0.2"),
 }
 
 
