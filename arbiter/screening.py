@@ -1,6 +1,6 @@
 """The compiled part of the safety filter: predict, look at every limit, write the programme.
 
-See `barriers` for what is asked of each limit, and `safety` for what becomes of it.
+See `barriers` and `keeping_apart` for what is asked of each limit, `safety` for what becomes of it.
 """
 
 from typing import Any
@@ -9,9 +9,10 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from arbiter.barriers import SMOOTHING, look_at_joints, look_at_pairs
+from arbiter.barriers import SMOOTHING, look_at_joints
 from arbiter.dynamics import factor, help_at, mass_matrix, move, push_on, solve, times_mass
 from arbiter.filtering import Filtering
+from arbiter.keeping_apart import look_at_pairs
 from primitives.compiled import Records, compiled, compiled_entry, fingerprint
 from primitives.mechanics import Row, Vector, cross, dot, scale, subtract, tree_centre
 
