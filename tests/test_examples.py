@@ -62,7 +62,7 @@ def test_the_salute_succeeds_at_its_tempos(tmp_path: Path) -> None:
 def test_the_mistake_in_the_documentation_is_what_one_sees(body: Body) -> None:
     """The hello.yaml of README with the typing error of docs/tasks.md."""
     (hello,) = (text.values[0] for text in shown("yaml") if "task: hello" in text.values[0])
-    spec, document = task_from_text(hello.replace("chest.front", "chest.font"), "hello.yaml")
+    spec, document = task_from_text(hello.replace("head.front", "head.font"), "hello.yaml")
     with pytest.raises(SpecError) as caught:
         bind_task(spec, body, document)
     shortened = re.sub(r"there are: .*\)", "there are: …)", str(caught.value))
