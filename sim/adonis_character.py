@@ -16,7 +16,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from sim.anthropometry import Anthropometry, Segment
+from sim.anthropometry import PALM, Anthropometry, Segment
 from sim.landmarks import Ray, place_landmarks
 
 Vector = tuple[float, float, float]
@@ -335,7 +335,7 @@ class _Builder:
         mujoco.mju_mat2Quat(quat, rotation.ravel())
         hand.add_site(
             name=f"{side}_palm",
-            pos=[0.0, -s * half, -0.45 * ha.length],
+            pos=[0.0, -s * half, -PALM * ha.length],
             quat=quat,
             size=[0.006, 0.006, 0.006],
             group=4,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -11,6 +12,12 @@ from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.body import Body
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
 from sim.errors import BodyError, unknown
+from sim.gains import Gains, scaled_gains
+from sim.laws import Law
+from sim.likeness import moved_inertia
+from sim.people import person
+from sim.scaling import scale_model, scale_motors, scaled
+from sim.weight import add_weight
 
 WAIST = ("waist_z", "waist_x", "waist_y")
 NECK = ("neck_z", "neck_x", "neck_y")
@@ -22,6 +29,8 @@ FREQUENCY = {"waist": 3.0, "neck": 3.5, "shoulder": 3.0, "elbow": 4.0, "wrist": 
 DAMPING_RATIO = 0.8
 # Largest speed of each joint [deg/s], which the safety filter keeps. Chosen here, from no source.
 SPEED = {"waist": 250.0, "neck": 500.0, "shoulder": 800.0, "elbow": 900.0, "wrist": 1200.0}
+
+WEIGHT = 2.0  # of adonis-weight [kg]
 
 SPRING = Spring(
     stiffness=1500.0,
@@ -49,8 +58,52 @@ def adonis(
     limits: bool = True,
     contacts: bool = True,
 ) -> Body:
-    """The Adonis torso with the proportions of `person` (Mataric et al. 1999, section 3)."""
-    spec = build_adonis(person, limits=limits, contacts=contacts)
+    """The Adonis torso with the proportions of `person` (Mataric et al. 1999, section 3).
+
+    The man's gains are chosen; those of anybody else follow from them by the laws of `sim.laws`,
+    as do the torques of the motors, armature and damping. A person is built as large as the man
+    and then scaled, since what the builder draws by the centimetre is drawn for him.
+    """
+    man = _man(name if person == MALE else "adonis", limits=limits, contacts=contacts)
+    if person == MALE:
+        return man
+    size = Law.geometric(person.arm / MALE.arm)
+    spec = build_adonis(
+        person.scaled(Law.geometric(1.0 / size.length)), limits=limits, contacts=contacts
+    )
+    scale_model(spec, size)
+    moved, more = moved_inertia(man.model, rigid=True), moved_inertia(spec.compile(), rigid=True)
+    scale_motors(
+        spec, {joint: Law(size.length, size.mass, more[joint] / moved[joint]) for joint in moved}
+    )
+    return _with_gains_of(man, spec, name, person)
+
+
+def adonis_with_weight(*, limits: bool = True, contacts: bool = True) -> Body:
+    """The man with a weight of 2 kg on the back of his right hand.
+
+    He is no stronger for it: motors, armature and damping are his own.
+    """
+    man = _man("adonis", limits=limits, contacts=contacts)
+    spec = man.spec.copy()
+    add_weight(spec, "right", WEIGHT)
+    return _with_gains_of(man, spec, "adonis-weight", MALE)
+
+
+def _with_gains_of(man: Body, spec: Any, name: str, person: Anthropometry) -> Body:
+    """The man's body map on another model, its gains scaled to it."""
+    size = Law.geometric(person.arm / MALE.arm)
+    forward, left, up = EYES
+    eyes = forward * size.length, left * size.length, up * person.head.length
+    head = None if man.map.head is None else man.map.head.model_copy(update={"eyes": eyes})
+    more = {"name": name, "head": head, "time_scale": size.time}
+    other = Body(spec, man.map.model_copy(update=more))
+    gains, _ = scaled_gains(man, Gains.of(man.map), other)
+    return Body(spec, gains.on(other.map))
+
+
+def _man(name: str, *, limits: bool, contacts: bool) -> Body:
+    spec = build_adonis(MALE, limits=limits, contacts=contacts)
     arms = {
         f"{side}_arm": Limb(
             side=side,
@@ -78,7 +131,7 @@ def adonis(
             head=Head(
                 link="head",
                 forward=(1.0, 0.0, 0.0),
-                eyes=(EYES[0], EYES[1], EYES[2] * person.head.length),
+                eyes=(EYES[0], EYES[1], EYES[2] * MALE.head.length),
                 joints=("neck",),
             ),
             landmarks=LANDMARKS,
@@ -91,9 +144,17 @@ def adonis(
     )
 
 
+def adonis_giant(*, limits: bool = True, contacts: bool = True) -> Body:
+    """A scale model of the man, twice as tall."""
+    return scaled(_man("adonis", limits=limits, contacts=contacts), 2.0, name="adonis-giant")
+
+
 BODIES: dict[str, Callable[..., Body]] = {
     "adonis": partial(adonis, MALE),
     "adonis-female": partial(adonis, FEMALE, name="adonis-female"),
+    "adonis-child": partial(adonis, person(age=6), name="adonis-child"),
+    "adonis-giant": adonis_giant,
+    "adonis-weight": adonis_with_weight,
 }
 
 

@@ -8,6 +8,7 @@ from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
 from specs.editing import set_values, write_back
 from specs.errors import Position, SpecError
+from specs.fitting import Fit, fit_of, fitted
 from specs.graph import TaskGraph, build_graph
 from specs.graph_writing import to_dot, to_graphml, to_json, to_mermaid
 from specs.groups import Group
@@ -27,6 +28,7 @@ __all__ = [
     "Condition",
     "Document",
     "Finding",
+    "Fit",
     "Group",
     "Join",
     "Position",
@@ -41,6 +43,8 @@ __all__ = [
     "build_graph",
     "claims_of",
     "find_task",
+    "fit_of",
+    "fitted",
     "library",
     "lint_task",
     "load_task",

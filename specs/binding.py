@@ -23,6 +23,7 @@ from specs.blame import told
 from specs.conditions import BoundCondition, Condition, bind_condition
 from specs.definitions import define
 from specs.errors import SpecError
+from specs.fitting import fitted
 from specs.graph import TaskGraph, build_graph
 from specs.groups import check_groups, together
 from specs.ordering import Known, members, order_of
@@ -69,7 +70,7 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     """Compile a task to its graph and bind every primitive of it to a body.
 
     Args:
-        spec: the task.
+        spec: the task; written for another body, it is made to fit: see `fitted`.
         body: the body that is to do it.
         document: what the task was read from, so that errors can say where.
 
@@ -77,6 +78,7 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
         SpecError: anything in the task that does not fit: names, order, claims.
     """
     document = document or Document(None, "")
+    spec = fitted(spec, body, document)
     graph = build_graph(spec, document)
     body = define(spec.landmarks, spec.postures, body, document)
     background = tuple(
