@@ -5,8 +5,11 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.errors import BodyError
+
+FloatArray = NDArray[np.float64]
 
 LEAD = 11340.0  # [kg/m^3]
 LENGTH = 0.09  # of the bar, without its round ends [m]
@@ -14,7 +17,7 @@ GREY = (0.35, 0.36, 0.38, 1.0)
 
 
 def add_weight(spec: Any, side: str, mass: float) -> None:
-    """Add the link `{side}_weight` to the hand of that side of an Adonis.
+    """Make a bar of lead a part of the hand of that side of an Adonis.
 
     Args:
         spec: `mujoco.MjSpec` of the body.
@@ -26,27 +29,41 @@ def add_weight(spec: Any, side: str, mass: float) -> None:
     """
     if not mass > 0.0:
         raise BodyError(f"a weight has a mass, not {mass:g} kg")
-    hand = spec.body(f"{side}_hand")
-    palm = spec.site(f"{side}_palm")
+    hand, palm, finger = (
+        spec.body(f"{side}_hand"),
+        spec.site(f"{side}_palm"),
+        spec.geom(f"{side}_middle"),
+    )
     radius = _radius(mass)
-    out = np.empty(3)
+    out, thickness = np.empty(3), 2.0 * finger.size[0]
     mujoco.mju_rotVecQuat(out, np.array([1.0, 0.0, 0.0]), palm.quat)
-    thickness = 2.0 * spec.geom(f"{side}_middle").size[0]
-    centre = palm.pos - out * (thickness + radius)
-    weight = hand.add_body(name=f"{side}_weight", pos=centre)
-    half = 0.5 * LENGTH
-    weight.add_geom(
+    centre, half = palm.pos - out * (thickness + radius), 0.5 * LENGTH
+    hand.add_geom(
         name=f"{side}_weight",
         type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-        fromto=[0.0, 0.0, -half, 0.0, 0.0, half],
-        size=[radius, 0.0, 0.0],
+        pos=centre,
+        size=[radius, half, 0.0],
         rgba=list(GREY),
-        mass=mass,
-        friction=spec.geom(f"{side}_middle").friction,
-        solref=spec.geom(f"{side}_middle").solref,
+        mass=0.0,  # it is in the inertia of the hand
+        condim=finger.condim,
+        friction=finger.friction,
+        solref=finger.solref,
     )
-    for part in ("upper_arm",):
-        spec.add_exclude(bodyname1=f"{side}_{part}", bodyname2=f"{side}_weight")
+    # As a cylinder of its mass, length and radius, along z.
+    across = mass * (radius**2 / 4.0 + (LENGTH + radius) ** 2 / 12.0)
+    bar = np.diag([across, across, mass * radius**2 / 2.0])
+    own = np.diag(hand.inertia)
+    whole = hand.mass + mass
+    middle = (hand.mass * hand.ipos + mass * centre) / whole
+    turned = own + _moved(hand.mass, hand.ipos - middle) + bar + _moved(mass, centre - middle)
+    hand.mass, hand.ipos, hand.inertia = whole, middle, np.zeros(3)
+    hand.fullinertia = [turned[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+
+
+def _moved(mass: float, by: FloatArray) -> FloatArray:
+    """What a mass adds to the moments of inertia (3, 3) when it is moved [kg m^2] (Steiner)."""
+    moments: FloatArray = mass * (by @ by * np.eye(3) - np.outer(by, by))
+    return moments
 
 
 def _radius(mass: float) -> float:
