@@ -93,9 +93,7 @@ def adonis_with_weight(*, limits: bool = True, contacts: bool = True) -> Body:
 def _with_gains_of(man: Body, spec: Any, name: str, person: Anthropometry) -> Body:
     """The man's body map on another model, its gains scaled to it."""
     size = Law.geometric(person.arm / MALE.arm)
-    forward, left, up = EYES
-    eyes = forward * size.length, left * size.length, up * person.head.length
-    head = None if man.map.head is None else man.map.head.model_copy(update={"eyes": eyes})
+    head = None if man.map.head is None else man.map.head.model_copy(update={"eyes": _eyes(person)})
     more = {"name": name, "head": head, "time_scale": size.time}
     other = Body(spec, man.map.model_copy(update=more))
     gains, _ = scaled_gains(man, Gains.of(man.map), other)
@@ -131,7 +129,7 @@ def _man(name: str, *, limits: bool, contacts: bool) -> Body:
             head=Head(
                 link="head",
                 forward=(1.0, 0.0, 0.0),
-                eyes=(EYES[0], EYES[1], EYES[2] * MALE.head.length),
+                eyes=_eyes(MALE),
                 joints=("neck",),
             ),
             landmarks=LANDMARKS,
@@ -142,6 +140,12 @@ def _man(name: str, *, limits: bool, contacts: bool) -> Body:
             upright=("waist", "neck"),
         ),
     )
+
+
+def _eyes(person: Anthropometry) -> tuple[float, float, float]:
+    """Between them, in the frame of the head [m]."""
+    forward, left, up = (share * person.head.length for share in EYES)
+    return forward, left, up
 
 
 def adonis_giant(*, limits: bool = True, contacts: bool = True) -> Body:

@@ -18,6 +18,7 @@ from sim.recording import Recording
 Picture = NDArray[np.uint8]
 TRAIL_COLORS = ((0.86, 0.33, 0.16, 0.9), (0.10, 0.55, 0.42, 0.9))
 CAPTION = 44  # height [pixels]
+THICK = 0.004  # radius of the way of a palm, as a share of what is shown
 DIFFERENT = 24.0  # of 255: pixels that differ by more show something that moved
 
 
@@ -77,7 +78,7 @@ class Camera:
             mujoco.mjv_initGeom(
                 geom, kind, np.zeros(3), np.zeros(3), np.zeros(9), np.array(rgba, np.float32)
             )
-            mujoco.mjv_connector(geom, kind, 0.005, start, end)
+            mujoco.mjv_connector(geom, kind, THICK * self.model.stat.extent, start, end)
             scene.ngeom += 1
 
 
