@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from adonis.arguments import BAD_INPUT, FAILED, bind, classes, given_path, read, refuse
+from adonis.arguments import BAD_INPUT, FAILED, bind, classes, fit, given_path, refuse, whose
 from adonis.options import (
     INTERRUPTED,
     AfreshOption,
@@ -39,7 +39,7 @@ app = typer.Typer(
 @app.command()
 def run(
     task: TaskArgument,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     out: Annotated[
         str | None,
         typer.Option(
@@ -121,7 +121,7 @@ def run(
 def rehearse(
     task: TaskArgument,
     out: WaysOption = None,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     tempo: TempoOption = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the ways tried.")] = 0,
     primitives: PrimitivesOption = None,
@@ -156,7 +156,7 @@ def rehearse(
 @app.command()
 def check(
     task: TaskArgument,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     tempo: TempoOption = None,
     primitives: PrimitivesOption = None,
     explain: ExplainOption = False,
@@ -170,14 +170,15 @@ def check(
     """
     from adonis.linting import findings_json, print_findings, print_plan
     from sim import BodyError, load_body
-    from specs import SpecError, bind_task, lint_task, refusal
+    from specs import SpecError, bind_task, lint_task, load_task, refusal
 
     kinds = classes(primitives)
     if explain and not as_json:
         print_explanation(task)
     try:
-        spec, document = read(task, tempo, kinds)
-        bound = bind_task(spec, load_body(body), document)
+        spec, document = load_task(task, primitives=kinds)
+        on = load_body(whose(spec, body))
+        bound = bind_task(fit(spec, on, document, tempo), on, document)
     except (BodyError, SpecError) as problem:
         if as_json and isinstance(problem, SpecError):
             typer.echo(findings_json([refusal(problem)]))
@@ -185,7 +186,7 @@ def check(
         refuse(problem)
     found = lint_task(bound, document)
     if as_json:
-        typer.echo(findings_json(found, spec.task, body))
+        typer.echo(findings_json(found, spec.task, on.map.name))
     else:
         from rich.console import Console
 
@@ -199,7 +200,7 @@ def check(
 def graph(
     task: TaskArgument,
     style: Annotated[Format, typer.Option("--format", help="How to print it.")] = Format.mermaid,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     tempo: TempoOption = None,
     primitives: PrimitivesOption = None,
 ) -> None:

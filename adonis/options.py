@@ -12,7 +12,15 @@ INTERRUPTED = 130  # the exit code that shells use
 TaskArgument = Annotated[
     str, typer.Argument(metavar="TASK", help="A task of the library (see `adonis list`) or a file.")
 ]
-BodyOption = Annotated[str, typer.Option("--body", metavar="NAME", help="Body that does it.")]
+BodyOption = Annotated[
+    str | None,
+    typer.Option(
+        "--body",
+        metavar="NAME",
+        help="Body that does it.",
+        show_default="the task's own, else adonis",
+    ),
+]
 TempoOption = Annotated[
     float | None,
     typer.Option("--tempo", metavar="BPM", help="Beats per minute instead of the task's own."),

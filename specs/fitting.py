@@ -26,7 +26,7 @@ from primitives.parameters import CARTESIAN_CONTROLLERS
 from primitives.quantity import quantities
 from sim import Body, BodyError, Likeness, likeness, load_body, mean_hand, mean_joint, spring_laws
 from specs.reading import Document
-from specs.task import SubTask, TaskSpec
+from specs.task import SubTask, TaskSpec, with_tempo
 from specs.tempo import TempoStep
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -40,9 +40,6 @@ class Fit:
     body: str  # the other
     like: Likeness
     time: float
-
-    def __str__(self) -> str:
-        return f"lengths times {self.like.length:.3g}, times times {self.time:.3g}"
 
 
 def fit_of(spec: TaskSpec, body: Body, document: Document | None = None) -> Fit | None:
@@ -61,14 +58,23 @@ def fit_of(spec: TaskSpec, body: Body, document: Document | None = None) -> Fit 
         raise (document or Document(None, "")).error(str(problem), ("body",)) from None
 
 
-def fitted(spec: TaskSpec, body: Body, document: Document | None = None) -> TaskSpec:
+def fitted(
+    spec: TaskSpec, body: Body, document: Document | None = None, *, tempo: float | None = None
+) -> TaskSpec:
     """The task as it fits a body; the same task if it is written for it, or for none.
 
+    Args:
+        spec: the task.
+        body: that is to do it.
+        document: what it was read from, so that errors can say where.
+        tempo: that it is to have, whatever the body [beats/min].
+
     Raises:
-        SpecError: see `fit_of`.
+        SpecError: see `fit_of`; or there is no such tempo.
     """
     fit = fit_of(spec, body, document)
-    return spec if fit is None else refitted(spec, body, fit)
+    spec = spec if fit is None else refitted(spec, body, fit)
+    return spec if tempo is None else with_tempo(spec, tempo)
 
 
 def refitted(spec: TaskSpec, body: Body, fit: Fit) -> TaskSpec:
