@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from adonis.arguments import BAD_INPUT, FAILED, bind, classes, fit, given_path, refuse, whose
+from adonis.arguments import BAD_INPUT, FAILED, bind, classes, fit, given_path, load, refuse, whose
 from adonis.options import (
     INTERRUPTED,
     AfreshOption,
@@ -138,15 +138,17 @@ def rehearse(
     from adonis.rehearsal.keeping import task_text
     from adonis.reporting import prepare_file, write_text
     from adonis.showing import print_rehearsal
-    from specs import find_task
+    from specs import find_task, fit_of
 
     console, wished = Console(), given_path("--out", out)
     bound = bind(task, body, tempo, primitives)
+    scaled = fit_of(load(task, primitives)[0], bound.body)
     file = wished or Path(f"{bound.spec.task}-rehearsed.yaml")
     try:
         prepare_file(file)
         bound, found = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
-        write_text(file, task_text(bound.spec, found, find_task(task).read_text()))
+        size = 1.0 if scaled is None else scaled.like.length
+        write_text(file, task_text(bound.spec, found, find_task(task).read_text(), size))
     except OutputError as problem:
         refuse(problem)
     print_rehearsal(console, found, file)

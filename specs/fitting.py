@@ -96,6 +96,33 @@ def refitted(spec: TaskSpec, body: Body, fit: Fit) -> TaskSpec:
     )
 
 
+def resized(does: Primitive, length: float) -> Primitive:
+    """A primitive with its lengths scaled, and nothing else."""
+    return _resized(does, {Quantity.LENGTH: length})
+
+
+def _resized(model: Model, factors: Mapping[Quantity, float]) -> Model:
+    """A model, and those in it, with some quantities scaled; primitives in it stay."""
+    marked = quantities(type(model))
+    changed = {}
+    for name in type(model).model_fields:
+        value = getattr(model, name)
+        factor = factors.get(marked[name]) if name in marked else None
+        changed[name] = _inside(value, factors) if factor is None else _times(value, factor)
+    return _with(model, **changed)
+
+
+def _inside(value: Any, factors: Mapping[Quantity, float]) -> Any:
+    """Models in a value."""
+    if isinstance(value, BaseModel):
+        return value if isinstance(value, Primitive) else _resized(value, factors)
+    if isinstance(value, tuple):
+        return tuple(_inside(inner, factors) for inner in value)
+    if isinstance(value, dict):
+        return {key: _inside(inner, factors) for key, inner in value.items()}
+    return value
+
+
 class _Scaling:
     """Scales the parts of a task."""
 
@@ -135,23 +162,7 @@ class _Scaling:
 
     def model(self, model: Model) -> Model:
         """A model, and those in it, with lengths, times and frequencies scaled."""
-        marked = quantities(type(model))
-        changed = {}
-        for name in type(model).model_fields:
-            value = getattr(model, name)
-            factor = self._plain.get(marked[name]) if name in marked else None
-            changed[name] = self._inside(value) if factor is None else _times(value, factor)
-        return _with(model, **changed)
-
-    def _inside(self, value: Any) -> Any:
-        """Models in a value; primitives are scaled by themselves."""
-        if isinstance(value, BaseModel):
-            return value if isinstance(value, Primitive) else self.model(value)
-        if isinstance(value, tuple):
-            return tuple(self._inside(inner) for inner in value)
-        if isinstance(value, dict):
-            return {key: self._inside(inner) for key, inner in value.items()}
-        return value
+        return _resized(model, self._plain)
 
     def _gains(self, does: Primitive) -> Mapping[str, float]:
         """A factor for each gain that a primitive can be given."""
@@ -220,4 +231,4 @@ def _with(model: Model, **values: Any) -> Model:
     return model.model_copy(update=changed) if changed else model
 
 
-__all__ = ["Fit", "fit_of", "fitted", "refitted"]
+__all__ = ["Fit", "fit_of", "fitted", "refitted", "resized"]

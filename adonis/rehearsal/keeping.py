@@ -20,7 +20,15 @@ from adonis.rehearsal.grading import Grade
 from adonis.rehearsal.rehearsing import Progress, Rehearsed, rehearse, with_ways
 from primitives import GoToPoint
 from sim import Body
-from specs import SpecError, TaskSpec, amended, task_to_yaml
+from specs import (
+    GONE,
+    SpecError,
+    TaskSpec,
+    places_of_steps,
+    resized,
+    set_values,
+    task_to_yaml,
+)
 
 CODE = Path(__file__).parents[2]
 FLOORS = ("sim", "primitives", "specs", "arbiter", "adonis")
@@ -60,7 +68,7 @@ def rehearsed(
     return done.model_copy(update={"rehearse": False}), found
 
 
-def task_text(spec: TaskSpec, found: Mapping[str, Rehearsed], text: str) -> str:
+def task_text(spec: TaskSpec, found: Mapping[str, Rehearsed], text: str, size: float = 1.0) -> str:
     """A task file with the ways filled in.
 
     Args:
@@ -68,14 +76,15 @@ def task_text(spec: TaskSpec, found: Mapping[str, Rehearsed], text: str) -> str:
         found: the ways.
         text: of the file that the task was read from; its comments stay. Where the task is not
             written there, sub-task by sub-task, it is written anew.
+        size: how much larger the body of the ways is than that of the file, whose metres are kept.
     """
-    changes: dict[str, dict[str, object]] = {"": {"rehearse": None}}
-    for name, way in found.items():
-        written = way.does.model_dump(mode="json", exclude_defaults=True)
-        changes[name] = {key: written[key] for key in WAY if key in written}
     try:
-        return amended(text, changes)
-    except SpecError:
+        places, changes = places_of_steps(text), dict[tuple[str | int, ...], object]()
+        for name, way in found.items():
+            written = resized(way.does, 1.0 / size).model_dump(mode="json", exclude_defaults=True)
+            changes |= {(*places[name], key): written[key] for key in WAY if key in written}
+        return set_values(text, {("rehearse",): GONE, **changes})
+    except (SpecError, KeyError):  # what it says is written somewhere else
         return task_to_yaml(spec)
 
 
