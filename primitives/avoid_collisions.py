@@ -28,10 +28,9 @@ class AvoidCollisions(Primitive):
 
     kind: Literal["avoid-collisions"] = "avoid-collisions"
     pairs: tuple[tuple[str, str], ...] | None = None  # of links; default: the body's keep_apart
-    # How it pushes; default: as the body map has it.
-    range: Range | None = None  # distance of the surfaces at which it begins [m]
-    stiffness: Stiffness | None = None  # force at contact, per metre of range [N/m]
-    damping: Damping | None = None  # of drawing nearer [N s/m]
+    range: Range | None = None  # distance at which it begins to push [m]; default: the body's
+    stiffness: Stiffness | None = None  # force at contact, per metre of range [N/m]; the same
+    damping: Damping | None = None  # of drawing nearer [N s/m]; the same
 
     def bind(self, body: Body, duration: float) -> "GuardField":
         """See `Primitive.bind`."""

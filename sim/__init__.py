@@ -1,7 +1,7 @@
 """Floor 1: bodies, physics and recordings. The only floor that imports MuJoCo."""
 
 from sim.anthropometry import FEMALE, MALE, Anthropometry
-from sim.bodies import BODIES, adonis, load_body
+from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
 from sim.clearance import clearances, depth_inside
@@ -14,8 +14,8 @@ from sim.errors import (
     SimError,
     unknown,
 )
-from sim.extending import extended, halfway
-from sim.gains import Gains, mean_hand, mean_joint, scaled_gains, spring_laws
+from sim.extending import extended, halfway, renamed
+from sim.gains import Gains, firmer, mean_hand, mean_joint, scaled_gains, spring_laws
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
 from sim.lag import Haste, Lag
@@ -29,6 +29,7 @@ from sim.motions import (
     straight_motion,
 )
 from sim.people import person
+from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
 from sim.posing import ArmWords, pose
 from sim.reaching import PalmGoal, reach
@@ -55,6 +56,7 @@ __all__ = [
     "DIRECTIONS",
     "FEMALE",
     "MALE",
+    "PEOPLE",
     "VIEWS",
     "Anthropometry",
     "Arm",
@@ -107,6 +109,7 @@ __all__ = [
     "extended",
     "find_gaze",
     "find_way",
+    "firmer",
     "halfway",
     "inertias",
     "inverse_dynamics",
@@ -121,10 +124,12 @@ __all__ = [
     "origin",
     "palm_jacobian",
     "person",
+    "person_of",
     "places_of",
     "planar_arm",
     "pose",
     "reach",
+    "renamed",
     "render_filmstrip",
     "render_video",
     "scaled",

@@ -12,11 +12,13 @@ from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.body import Body
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
 from sim.errors import BodyError, unknown
+from sim.extending import renamed
 from sim.gains import Gains, scaled_gains
 from sim.laws import Law
 from sim.likeness import moved_inertia
 from sim.people import person
-from sim.scaling import scale_model, scale_motors, scaled
+from sim.people_by_name import person_of
+from sim.scaling import scale_model, scale_motors
 from sim.weight import add_weight
 
 WAIST = ("waist_z", "waist_x", "waist_y")
@@ -97,7 +99,7 @@ def _with_gains_of(man: Body, spec: Any, name: str, person: Anthropometry) -> Bo
     more = {"name": name, "head": head, "time_scale": size.time}
     other = Body(spec, man.map.model_copy(update=more))
     gains, _ = scaled_gains(man, Gains.of(man.map), other)
-    return Body(spec, gains.on(other.map))
+    return renamed(other, gains.on(other.map))
 
 
 def _man(name: str, *, limits: bool, contacts: bool) -> Body:
@@ -148,16 +150,15 @@ def _eyes(person: Anthropometry) -> tuple[float, float, float]:
     return forward, left, up
 
 
-def adonis_giant(*, limits: bool = True, contacts: bool = True) -> Body:
-    """A scale model of the man, twice as tall."""
-    return scaled(_man("adonis", limits=limits, contacts=contacts), 2.0, name="adonis-giant")
-
+PEOPLE: dict[str, Anthropometry] = {
+    "adonis": MALE,
+    "adonis-female": FEMALE,
+    "adonis-child": person(age=6),
+    "adonis-giant": MALE.scaled(Law.geometric(2.0)),
+}
 
 BODIES: dict[str, Callable[..., Body]] = {
-    "adonis": partial(adonis, MALE),
-    "adonis-female": partial(adonis, FEMALE, name="adonis-female"),
-    "adonis-child": partial(adonis, person(age=6), name="adonis-child"),
-    "adonis-giant": adonis_giant,
+    **{name: partial(adonis, person, name=name) for name, person in PEOPLE.items()},
     "adonis-weight": adonis_with_weight,
 }
 
@@ -166,13 +167,16 @@ def load_body(name: str, *, limits: bool = True, contacts: bool = True) -> Body:
     """A body of the package by name.
 
     Args:
-        name: one of `BODIES`.
+        name: one of `BODIES`, or a description of a person: see `person_of`.
         limits: joint limits on.
         contacts: collisions on.
 
     Raises:
         BodyError: there is no such body; the message lists those there are.
     """
+    described = person_of(name)
+    if described is not None:
+        return adonis(described, name=name, limits=limits, contacts=contacts)
     if name not in BODIES:
         raise BodyError(unknown("body", name, BODIES))
     return BODIES[name](limits=limits, contacts=contacts)

@@ -73,6 +73,49 @@ def scaled_gains(
     return Gains(servos, springs, scaled_guard(gains.guard, mean_hand(like)), speeds), like
 
 
+def firmer(
+    gains: Gains,
+    *,
+    joints: float = 1.0,
+    hands: float = 1.0,
+    damping: float = 1.0,
+    guard: float = 1.0,
+) -> Gains:
+    """Gains of the same body that hold it more firmly, or less.
+
+    Args:
+        gains: its own.
+        joints: factor of the stiffness of joints; their damping ratio stays as it is.
+        hands: factor of the stiffness of hands' springs; the same.
+        damping: factor of the damping ratio of joints and hands.
+        guard: factor of the force that keeps links apart.
+    """
+    servos = {
+        name: servo.model_copy(
+            update={
+                "stiffness": servo.stiffness * joints,
+                "damping": servo.damping * damping * joints**0.5,
+            }
+        )
+        for name, servo in gains.servos.items()
+    }
+    springs = {
+        name: Spring(
+            **{
+                gain: value * (hands if "stiffness" in gain else damping * hands**0.5)
+                for gain, value in spring
+            }
+        )
+        for name, spring in gains.springs.items()
+    }
+    kept = Guard(
+        range=gains.guard.range,
+        stiffness=gains.guard.stiffness * guard,
+        damping=gains.guard.damping * guard**0.5,
+    )
+    return Gains(servos, springs, kept, gains.speed_limits)
+
+
 def scaled_servo(servo: Servo, law: Law) -> Servo:
     """The gains of a joint by its law; an angle is the same on both."""
     return Servo(

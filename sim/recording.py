@@ -79,6 +79,11 @@ class Recording:
         """Seconds between rows."""
         return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 0.0
 
+    def until(self, time: float) -> "Recording":
+        """The rows up to a time [s]."""
+        rows = slice(self.row(time) + 1)
+        return replace(self, **{name: getattr(self, name)[rows] for name in UNITS})
+
     def row(self, time: float) -> int:
         """The last row that is not after `time` [s]."""
         index = int(np.searchsorted(self.time, time + 1e-9, side="right")) - 1

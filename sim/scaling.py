@@ -16,6 +16,7 @@ import numpy as np
 from sim.body import Body
 from sim.body_map import BodyMap
 from sim.errors import BodyError, unknown
+from sim.extending import renamed
 from sim.gains import Gains, scaled_gains
 from sim.laws import Law
 from sim.likeness import moved_inertia
@@ -49,7 +50,7 @@ def scaled(
     scale_motors(spec, {j: Law(whole.length, whole.mass, more[j] / moved[j]) for j in moved})
     larger = Body(spec, _names(body, whole, name or body.map.name))
     gains, _ = scaled_gains(body, Gains.of(body.map), larger, length=whole.length)
-    return Body(spec, gains.on(larger.map))
+    return renamed(larger, gains.on(larger.map))
 
 
 def scale_model(spec: Any, whole: Law, segments: Mapping[str, Law] | None = None) -> None:

@@ -7,7 +7,8 @@ from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
 from specs.editing import GONE, places_of_steps, set_values, write_back
 from specs.errors import Position, SpecError
-from specs.fitting import Fit, fit_of, fitted, refitted, resized
+from specs.firmness import Firmness
+from specs.fitting import Fit, fit_of, fitted, refitted, resized, slowed
 from specs.graph import TaskGraph, build_graph
 from specs.graph_writing import to_dot, to_graphml, to_json, to_mermaid
 from specs.groups import Group
@@ -17,7 +18,7 @@ from specs.reading import Document
 from specs.reference import reference
 from specs.schema import SHIPPED_SCHEMA, task_schema
 from specs.task import Background, SubTask, TaskSpec, with_tempo
-from specs.writing import task_to_yaml
+from specs.writing import task_to_data, task_to_yaml
 
 __all__ = [
     "GONE",
@@ -28,6 +29,7 @@ __all__ = [
     "Condition",
     "Document",
     "Finding",
+    "Firmness",
     "Fit",
     "Group",
     "Join",
@@ -55,8 +57,10 @@ __all__ = [
     "refusal",
     "resized",
     "set_values",
+    "slowed",
     "task_from_text",
     "task_schema",
+    "task_to_data",
     "task_to_yaml",
     "to_dot",
     "to_graphml",

@@ -180,7 +180,7 @@ def _last(node: Node) -> int:
     """The last character of a value; YAML counts the comments that follow one of several lines."""
     if isinstance(node, ScalarNode):
         return int(node.end_mark.index) - (node.style in ("|", ">"))
-    if node.flow_style or not node.value:
+    if not isinstance(node, MappingNode | SequenceNode) or node.flow_style or not node.value:
         return int(node.end_mark.index)
     last = node.value[-1]
     return _last(last[1] if isinstance(node, MappingNode) else last)

@@ -27,10 +27,9 @@ from primitives.quantity import quantities
 from sim import Body, BodyError, Likeness, likeness, load_body, mean_hand, mean_joint, spring_laws
 from specs.reading import Document
 from specs.task import SubTask, TaskSpec, with_tempo
-from specs.tempo import TempoStep
 
 Model = TypeVar("Model", bound=BaseModel)
-DIGITS = 6  # of a number that was scaled: what a model's XML has
+DIGITS = 4  # of a number that was scaled: nobody wants to read more
 
 
 @dataclass(frozen=True)
@@ -83,17 +82,34 @@ def refitted(spec: TaskSpec, body: Body, fit: Fit) -> TaskSpec:
     background = tuple(_with(b, does=scaling.primitive(b.does)) for b in spec.background)
     subtasks = tuple(scaling.subtask(subtask) for subtask in spec.subtasks)
     landmarks = {name: scaling.model(mark) for name, mark in spec.landmarks.items()}
-    steps = tuple(scaling.step(step) for step in spec.tempo_map)
-    return _with(
+    return _in_time(
         spec,
+        fit.time,
         body=fit.body,
-        tempo=_rounded(spec.tempo / fit.time),
-        tempo_map=steps,
-        hand_over=_rounded(spec.hand_over * fit.time),
         landmarks=landmarks,
         background=background,
         subtasks=subtasks,
     )
+
+
+def slowed(spec: TaskSpec, factor: float) -> TaskSpec:
+    """A task that takes so many times as long; its lengths and gains stay."""
+    times = {Quantity.TIME: factor, Quantity.FREQUENCY: 1.0 / factor}
+    return _in_time(
+        spec,
+        factor,
+        background=tuple(_with(b, does=_resized(b.does, times)) for b in spec.background),
+        subtasks=tuple(
+            _with(_resized(s, times), does=_resized(s.does, times)) for s in spec.subtasks
+        ),
+    )
+
+
+def _in_time(spec: TaskSpec, factor: float, **more: Any) -> TaskSpec:
+    """A task at another tempo, its hand-overs as much longer; and other values."""
+    steps = tuple(_with(step, tempo=_rounded(step.tempo / factor)) for step in spec.tempo_map)
+    tempo, fade = _rounded(spec.tempo / factor), _rounded(spec.hand_over * factor)
+    return _with(spec, tempo=tempo, tempo_map=steps, hand_over=fade, **more)
 
 
 def resized(does: Primitive, length: float) -> Primitive:
@@ -133,10 +149,6 @@ class _Scaling:
             Quantity.TIME: fit.time,
             Quantity.FREQUENCY: 1.0 / fit.time,
         }
-
-    def step(self, step: TempoStep) -> TempoStep:
-        """A later tempo."""
-        return _with(step, tempo=_rounded(step.tempo * self._plain[Quantity.FREQUENCY]))
 
     def subtask(self, subtask: SubTask) -> SubTask:
         """A sub-task and its primitive; a tolerance is of what the primitive brings near."""
@@ -231,4 +243,4 @@ def _with(model: Model, **values: Any) -> Model:
     return model.model_copy(update=changed) if changed else model
 
 
-__all__ = ["Fit", "fit_of", "fitted", "refitted", "resized"]
+__all__ = ["Fit", "fit_of", "fitted", "refitted", "resized", "slowed"]

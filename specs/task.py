@@ -8,6 +8,7 @@ from primitives import GoToPoint, Primitive, Quantity
 from specs.conditions import Condition, Join, Name, Positive, Repeat, Times
 from specs.definitions import Landmark, NamedPosture
 from specs.errors import SpecError
+from specs.firmness import Firmness
 from specs.groups import Group
 from specs.tempo import MOST_STEPS, Tempo, TempoStep
 
@@ -157,6 +158,7 @@ class TaskSpec(BaseModel):
     start: str | None = None  # posture of the body to begin in; default: its home
     hand_over: Fade = 0.1  # [s] cross-fade between sub-tasks that claim the same joints
     coda: NonNegative = 1.0  # beats for which the last goals are held
+    gains: Firmness | None = None  # how firmly the body holds itself: factors of its own gains
     safety: Literal["none", "filter"] = "none"  # what comes after all torques are summed
     # whether ways of hands that it says nothing of are to be found first
     rehearse: bool = False

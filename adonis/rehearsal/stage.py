@@ -24,7 +24,7 @@ EARLY = 1e-9  # [s] for rounding
 class Scene:
     """The moment before a sub-task begins."""
 
-    subtask: str
+    subtask: str  # none, at the opening of a task
     time: float  # [s]
     qpos: FloatArray  # (nq,)
     physics: Moment  # where to go on from: this moment, or the beginning if there is no place
@@ -68,12 +68,20 @@ class Walk:
             self._arbiter.go_on_from(scene.place)
 
 
+def opening(task: BoundTask) -> Scene:
+    """The moment before a task begins."""
+    world = World(task.body)
+    world.reset(task.start)
+    return Scene("", 0.0, task.start, world.moment(), None)
+
+
 def play(
     variants: Sequence[BoundTask], scene: Scene, seconds: float, *, threads: int = 1
 ) -> list[Recording | None]:
     """Let variants of a task go on from a scene, each in a simulation of its own.
 
-    What is planned to begin when the scene's sub-task is over is held back.
+    What is planned to begin when the scene's sub-task is over is held back; after the opening,
+    nothing is.
 
     Args:
         variants: the task with other parameters.
@@ -93,7 +101,8 @@ def play(
         for arbiter in arbiters:
             arbiter.go_on_from(scene.place)
     planned = variants[0].graph.planned
-    later = [name for name, when in planned.items() if when[0] >= planned[scene.subtask][1] - EARLY]
+    over = planned[scene.subtask][1] if scene.subtask else np.inf
+    later = [name for name, when in planned.items() if when[0] >= over - EARLY]
     for arbiter in arbiters:
         arbiter.hold_back(later)
     states = [world.state.of_one(i) for i in range(n)]
