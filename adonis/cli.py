@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from adonis.arguments import BAD_INPUT, FAILED, bind, classes, fit, given_path, load, refuse, whose
+from adonis.characters import adapt
 from adonis.options import (
     INTERRUPTED,
     AfreshOption,
@@ -258,7 +259,7 @@ def schema(
     typer.echo(f"In a task: # yaml-language-server: $schema={file}", err=True)
 
 
-for command in (translate, words, trials, compare, bench):
+for command in (translate, words, adapt, trials, compare, bench):
     app.command()(command)
 
 

@@ -14,6 +14,8 @@ from rich.progress import (
     TimeElapsedColumn,
 )
 
+from adonis.adapting.adapting import Adapted, adapt
+from adonis.adapting.searching import Found
 from adonis.comparison.human import Human
 from adonis.comparison.report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
@@ -24,7 +26,7 @@ from adonis.reporting import Results, prepare_folder, remove_folders, write_resu
 from adonis.showing import print_comparison
 from primitives import Primitive
 from sim import Body, Recording, unknown
-from specs import BoundTask, bind_task
+from specs import BoundTask, TaskSpec, bind_task
 
 FEWEST_ROWS = 2  # of a recording that is worth keeping: fewer are no movement
 
@@ -131,6 +133,42 @@ def perform_rehearsal(
 
         spec, found = rehearsed(bound.spec, bound.body, seed=seed, afresh=afresh, progress=trying)
     return bind_task(spec, bound.body), found
+
+
+def perform_adaptation(
+    console: Console,
+    spec: TaskSpec,
+    body: Body,
+    *,
+    budget: int,
+    seed: int,
+    keep_tempo: bool,
+    afresh: bool,
+) -> Adapted:
+    """Search for what suits a body better, with a bar: see `adapt`.
+
+    Ways of hands that the task lacks are found first.
+    """
+    if spec.rehearse:
+        bound, _ = perform_rehearsal(console, bind_task(spec, body), seed=seed, afresh=afresh)
+        spec = bound.spec
+    with Progress(*_columns(), console=console, transient=True) as bar:
+        shown = bar.add_task("dancing as the laws have it (slow only the first time)", total=1.0)
+
+        def moving(tried: int, found: Found) -> None:
+            best = f"{found.mark.failures} failures, cost {found.mark.cost:.2f}"
+            said = f"{tried} of {budget} danced; best so far: {best}"
+            bar.update(shown, completed=tried / budget, description=said)
+
+        try:
+            return adapt(
+                spec, body, budget=budget, seed=seed, keep_tempo=keep_tempo, afresh=afresh,
+                progress=moving,
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            bar.stop()
+            console.print("What was found is kept: the same command goes on from there.")
+            raise
 
 
 def perform_comparison(

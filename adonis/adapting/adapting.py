@@ -15,8 +15,6 @@ from adonis.keeping import keep, kept_file, read_kept
 from sim import Body
 from specs import TaskSpec, bind_task
 
-BUDGET = 120  # candidates
-
 Progress = Callable[[int, Found], None]
 
 
@@ -32,7 +30,7 @@ def adapt(
     spec: TaskSpec,
     body: Body,
     *,
-    budget: int = BUDGET,
+    budget: int,
     seed: int = 0,
     threads: int = 1,
     keep_tempo: bool = False,
