@@ -16,6 +16,7 @@ from adonis.options import (
     BodyOption,
     Commands,
     Format,
+    MorphOption,
     PrimitivesOption,
     Start,
     TaskArgument,
@@ -71,6 +72,7 @@ def run(
         typer.Option("--send", metavar="EVENT@SECONDS", help="Send an event; may be repeated."),
     ] = None,
     afresh: AfreshOption = False,
+    morph: MorphOption = None,
 ) -> None:
     """Do a task, and say how well it went.
 
@@ -89,9 +91,10 @@ def run(
     )
     from adonis.dancing import Stopped, random_start
     from adonis.errors import InputError, OutputError
-    from adonis.performing import events_of, perform, perform_rehearsal
+    from adonis.performing import events_of, perform, perform_morph, perform_rehearsal
     from adonis.showing import print_results
     from sim import SimError
+    from specs import SpecError
 
     if bound.spec.rehearse:
         bound, _ = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
@@ -100,10 +103,14 @@ def run(
     begin = random_start(bound.body, bound.start, 1, seed) if start is Start.random else None
     try:
         events = events_of(send or (), bound.events)
-        results, stopped = perform(
-            console, bound, folder, start=begin, seed=seed, video=video, events=events
+        becoming = (
+            perform_morph(console, bound, morph, limits=limits, contacts=contacts) if morph else ()
         )
-    except (InputError, OutputError, SimError, Stopped) as problem:
+        results, stopped = perform(
+            console, bound, folder, start=begin, seed=seed, video=video, events=events,
+            becoming=becoming,
+        )  # fmt: skip
+    except (InputError, OutputError, SimError, SpecError, Stopped) as problem:
         if isinstance(problem, Stopped) and problem.interrupted:
             raise KeyboardInterrupt from None
         refuse(problem)

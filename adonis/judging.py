@@ -282,7 +282,7 @@ class _Measuring:
         recording, task = self.recording, graph.spec
         deepest = self.replay.penetration
         limits = self.replay.torque_limits()
-        share = np.abs(recording.torque) / limits
+        share = np.abs(self.replay.torque_share())
         row, dof = np.unravel_index(np.nanargmax(share), share.shape)
         checks = [
             self._length(

@@ -39,6 +39,12 @@ WaysOption = Annotated[
         "--out", metavar="FILE", help="The task with its ways.", show_default="TASK-rehearsed.yaml"
     ),
 ]
+MorphOption = Annotated[
+    str | None,
+    typer.Option(
+        "--morph", metavar="NAME", help="Become this person meanwhile, who is there in the end."
+    ),
+]
 AfreshOption = Annotated[
     bool, typer.Option("--afresh", help="Look for ways again, even if they are known from before.")
 ]

@@ -20,6 +20,7 @@ from adonis.comparison.human import Human
 from adonis.comparison.report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
 from adonis.errors import InputError
+from adonis.morphing import Becoming, morph
 from adonis.rehearsal.keeping import rehearsed
 from adonis.rehearsal.rehearsing import Rehearsed
 from adonis.reporting import Results, prepare_folder, remove_folders, write_results
@@ -40,6 +41,7 @@ def perform(
     seed: int,
     video: bool,
     events: Sequence[tuple[float, str]] = (),
+    becoming: Sequence[tuple[float, BoundTask]] = (),
 ) -> tuple[Results, Stopped | None]:
     """Do a task and write its results, with a bar that says how far it is.
 
@@ -51,6 +53,7 @@ def perform(
         seed: see `run_task`.
         video: whether to render an MP4 as well.
         events: see `run_task`.
+        becoming: see `run_task`.
 
     Returns:
         The results, and why the run broke off if it did.
@@ -78,8 +81,9 @@ def perform(
 
             try:
                 recordings = run_task(
-                    bound, start=start, seed=seed, part=part, progress=moving, events=events
-                )
+                    bound, start=start, seed=seed, part=part, progress=moving, events=events,
+                    becoming=becoming,
+                )  # fmt: skip
             except Stopped as problem:
                 if len(problem.recordings[0].time) < FEWEST_ROWS:
                     raise
@@ -119,6 +123,18 @@ def events_of(asked: Iterable[str], known: Sequence[str]) -> list[tuple[float, s
             raise InputError(f"--send: {unknown('event', name, known)}")
         found.append((seconds, name))
     return found
+
+
+def perform_morph(
+    console: Console, bound: BoundTask, to: str, *, limits: bool, contacts: bool
+) -> Becoming:
+    """Make the bodies on the way to another person, with a bar: see `morph`."""
+    with Progress(*_columns(), console=console, transient=True) as bar:
+        shown = bar.add_task("", total=1.0)
+        return morph(
+            bound, to, limits=limits, contacts=contacts,
+            progress=lambda share, what: bar.update(shown, completed=share, description=what),
+        )  # fmt: skip
 
 
 def perform_rehearsal(

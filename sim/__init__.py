@@ -21,6 +21,7 @@ from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
 from sim.lag import Haste, Lag
 from sim.laws import Law
 from sim.likeness import Likeness, likeness
+from sim.morphing import between, person_named
 from sim.motions import (
     Motion,
     inverse_dynamics,
@@ -103,6 +104,7 @@ __all__ = [
     "World",
     "adonis",
     "axes_of",
+    "between",
     "carrier",
     "clearances",
     "depth_inside",
@@ -124,6 +126,7 @@ __all__ = [
     "origin",
     "palm_jacobian",
     "person",
+    "person_named",
     "person_of",
     "places_of",
     "planar_arm",

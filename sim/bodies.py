@@ -1,7 +1,7 @@
 """The bodies that come with the package, and their body maps."""
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import mujoco
@@ -66,9 +66,9 @@ def adonis(
     as do the torques of the motors, armature and damping. A person is built as large as the man
     and then scaled, since what the builder draws by the centimetre is drawn for him.
     """
-    man = _man(name if person == MALE else "adonis", limits=limits, contacts=contacts)
     if person == MALE:
-        return man
+        return _man(name, limits=limits, contacts=contacts)
+    man = _standard(limits, contacts)
     size = Law.geometric(person.arm / MALE.arm)
     spec = build_adonis(
         person.scaled(Law.geometric(1.0 / size.length)), limits=limits, contacts=contacts
@@ -86,7 +86,7 @@ def adonis_with_weight(*, limits: bool = True, contacts: bool = True) -> Body:
 
     He is no stronger for it: motors, armature and damping are his own.
     """
-    man = _man("adonis", limits=limits, contacts=contacts)
+    man = _standard(limits, contacts)
     spec = man.spec.copy()
     add_weight(spec, "right", WEIGHT)
     return _with_gains_of(man, spec, "adonis-weight", MALE)
@@ -100,6 +100,12 @@ def _with_gains_of(man: Body, spec: Any, name: str, person: Anthropometry) -> Bo
     other = Body(spec, man.map.model_copy(update=more))
     gains, _ = scaled_gains(man, Gains.of(man.map), other)
     return renamed(other, gains.on(other.map))
+
+
+@lru_cache(maxsize=4)
+def _standard(limits: bool, contacts: bool) -> Body:
+    """The man that the others are scaled from; nobody may change him."""
+    return _man("adonis", limits=limits, contacts=contacts)
 
 
 def _man(name: str, *, limits: bool, contacts: bool) -> Body:

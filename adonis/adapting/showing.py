@@ -1,4 +1,4 @@
-"""What an adaptation says in the terminal: the factors of the laws, what was tuned, what changed."""
+"""What an adaptation says in the terminal: the factors of the laws, what was tuned, the changes."""
 
 from collections.abc import Mapping, Sequence
 
