@@ -181,9 +181,10 @@ class _Builder:
             self._capsule(pelvis, f"{side}_thigh", hip, knee, 0.44 * a, TROUSERS)
             self._capsule(pelvis, f"{side}_shank", knee, ankle, 0.30 * a, TROUSERS)
             self._capsule(pelvis, f"{side}_foot", heel, toe, 0.04, DARK)
-            self._landmark(
-                f"{side}_hip", pelvis, (0.0, s * (half - b), 0.32 * top), (0.45, s, 0.15)
-            )
+            crest = (0.0, s * (half - b), 0.32 * top)
+            self._landmark(f"{side}_hip", pelvis, crest, (0.45, s, 0.15))
+            # Where the other hand comes to lie: it cannot face the side from across the body.
+            self._landmark(f"{side}_hip.front", pelvis, crest, (1.0, 0.45 * s, 0.15))
         _inertial(pelvis, person.mass * 0.4, (0, 0, -0.3), (1.0, 1.0, 0.3))
 
     def _trunk(self) -> Any:

@@ -103,7 +103,7 @@ def _held(task: BoundTask, recording: Recording, subtask: str) -> set[str]:
         name
         for name, span in begun.items()
         if span.end <= recording.time[0] + recording.timestep
-        and not _carries(task, claims[subtask], name)
+        and not carries(task, claims[subtask], name)
         and not any(
             other.start > span.start and claims[name] & claims[other.name]
             for other in begun.values()
@@ -111,13 +111,14 @@ def _held(task: BoundTask, recording: Recording, subtask: str) -> set[str]:
     }
 
 
-def _carries(task: BoundTask, dofs: set[int], name: str) -> bool:
-    """Whether the goal of a sub-task is on what these joints move."""
+def carries(task: BoundTask, dofs: set[int], name: str) -> bool:
+    """Whether these joints move the goal of a sub-task, and not the hand that is to go there."""
     does = task.graph.subtasks[name].does
     if not isinstance(does, GoToPoint):
         return False
-    link = does.palm_goal(task.body).place.link
-    return bool(task.body.ancestors[link][sorted(dofs)].any())
+    moved, joints = task.body.ancestors, sorted(dofs)
+    goal, hand = does.palm_goal(task.body).place.link, task.body.arm(does.limb).hand
+    return bool((moved[goal] & ~moved[hand])[joints].any())
 
 
 def _share(measure: Measure) -> float:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adonis.rehearsal.candidates import Family, FloatArray, family
-from adonis.rehearsal.grading import FAILED, Grade, grade
+from adonis.rehearsal.grading import FAILED, Grade, carries, grade
 from adonis.rehearsal.stage import EARLY, Scene, Walk, play
 from primitives import GoToPoint
 from sim import Body, find_way
@@ -164,12 +164,14 @@ class _Rehearsal:
 
 
 def _rest(task: BoundTask, subtask: SubTask) -> float:
-    """How long a goal is held, as it is planned, before its hand moves on; or is watched [s]."""
+    """How long a goal is held, as it is planned, before hand or goal move on; or is watched [s]."""
     claims = dict(zip(task.graph.order, (set(f.claims.tolist()) for f in task.fields), strict=True))
     _, end = task.graph.planned[subtask.name]
     starts = [
         start - end
         for name, (start, _) in task.graph.planned.items()
-        if name != subtask.name and claims[name] & claims[subtask.name] and start >= end - EARLY
+        if name != subtask.name
+        and start >= end - EARLY
+        and (claims[name] & claims[subtask.name] or carries(task, claims[name], subtask.name))
     ]
     return float(np.clip(min(starts, default=AFTERWARDS), task.body.timestep, AFTERWARDS))
