@@ -241,7 +241,9 @@ class _Builder:
 
     def _head(self, trunk: Any) -> None:
         segment, length = self.person.head, self.person.head.length
-        k = length / MALE.head.length  # a larger head has a larger face and neck
+        # A head that is large for its body, as a child's, is mostly skull.
+        k = length / MALE.head.length
+        f = k**0.5
         head = trunk.add_body(name="head", pos=[0.0, 0.0, self.person.waist_length])
         self._joints(head, ("neck_z", "neck_x", "neck_y"))
         _inertial(head, segment.mass, (0.005 * k, 0, length - segment.com), segment.inertia)
@@ -249,11 +251,11 @@ class _Builder:
         crown = length - r
         self._capsule(head, "cranium", (-0.018 * k, 0, crown), (0.022 * k, 0, crown), r, SKIN)
         mouth = (0.050 * k, 0, 0.34 * length)
-        self._capsule(head, "face", (0.040 * k, 0, crown - 0.02 * k), mouth, 0.052 * k, SKIN)
+        self._capsule(head, "face", (0.040 * k, 0, crown - 0.02 * k), mouth, 0.052 * f, SKIN)
         throat = (-0.005 * k, 0, 0.02 * k)
-        self._capsule(head, "neck", throat, (0.0, 0, 0.40 * length), 0.047 * k, SKIN)
+        self._capsule(head, "neck", throat, (0.0, 0, 0.40 * length), 0.047 * f, SKIN)
         for name, pos, size, color in (
-            ("nose", (0.104 * k, 0, 0.53 * length), 0.013, SKIN),
+            ("nose", (0.050 * k + 0.054 * f, 0, 0.53 * length), 0.013, SKIN),
             ("right_eye", (EYES[0] * length, -0.026 * k, EYES[2] * length), 0.010, DARK),
             ("left_eye", (EYES[0] * length, 0.026 * k, EYES[2] * length), 0.010, DARK),
         ):
