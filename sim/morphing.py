@@ -51,7 +51,7 @@ def between(
     """
     bodies: list[Body] = []
     for k, share in enumerate(np.linspace(0.0, 1.0, count), start=1):
-        name = names[1] if k == count else "-to-".join(names)
+        name = {1: names[0], count: names[1]}.get(k, "-to-".join(names))
         made = adonis(one.towards(other, float(share)), name=name, limits=limits, contacts=contacts)
         if bodies:
             made.spec.option.timestep = bodies[0].timestep
