@@ -57,15 +57,11 @@ def likeness(one: Body, other: Body, length: float | None = None) -> Likeness:
         length: L; default: how much longer its arms are.
 
     Raises:
-        BodyError: they have no limb in common whose lengths could be compared.
+        BodyError: one of them has no arm whose length could be compared.
     """
     limbs = [name for name in one.map.limbs if name in other.map.limbs]
     if length is None:
-        if not limbs:
-            names = f"{one.map.name!r} and {other.map.name!r}"
-            raise BodyError(f"{names} have no arm in common: how much larger is the one?")
-        reaches = [[body.reach(body.arm(limb)) for limb in limbs] for body in (one, other)]
-        length = float(np.mean(reaches[1]) / np.mean(reaches[0]))
+        length = _arm_of(other) / _arm_of(one)
     moved, more = (moved_inertia(body.model) for body in (one, other))
     joints = {
         name: Law(length, length**3, more[name] / moved[name]) for name in moved if name in more
@@ -75,6 +71,13 @@ def likeness(one: Body, other: Body, length: float | None = None) -> Likeness:
         (mass, turn), (heavier, harder) = (_at_palm(b, b.arm(limb)) for b in (one, other))
         hands[limb] = Law(length, heavier / mass, harder / turn)
     return Likeness(length, joints, hands)
+
+
+def _arm_of(body: Body) -> float:
+    """How long the arms of a body are [m]."""
+    if not body.map.limbs:
+        raise BodyError(f"{body.map.name!r} has no arm: how much larger it is cannot be told")
+    return float(np.mean([body.reach(body.arm(limb)) for limb in body.map.limbs]))
 
 
 def moved_inertia(model: Any, *, rigid: bool = False) -> dict[str, float]:

@@ -44,10 +44,12 @@ class Fit:
 def fit_of(spec: TaskSpec, body: Body, document: Document | None = None) -> Fit | None:
     """What a task has to be scaled by to fit a body; None if it is written for it, or for none.
 
+    On a body without arms it stays as it is: nobody can tell how large that is.
+
     Raises:
-        SpecError: the body that it is written for does not exist, or has no arm in common.
+        SpecError: the body that it is written for does not exist, or has no arms.
     """
-    if spec.body is None or spec.body == body.map.name:
+    if spec.body is None or spec.body == body.map.name or not body.map.limbs:
         return None
     try:
         own = load_body(spec.body)

@@ -192,7 +192,7 @@ def test_a_body_without_arms_is_scaled_by_what_is_asked() -> None:
     assert long.map.servos["elbow"].stiffness == pytest.approx(
         81.0 * arm.map.servos["elbow"].stiffness, rel=1e-4
     )
-    with pytest.raises(BodyError, match="no arm in common"):
+    with pytest.raises(BodyError, match="'planar-arm' has no arm"):
         likeness(arm, long)
 
 
