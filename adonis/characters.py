@@ -39,8 +39,8 @@ def adapt(
 ) -> None:
     """Make a task suit another body: by the laws of scaling, then by a small search.
 
-    Prints the factors, what was tuned and what changed, and writes the task; comments stay. A
-    search that is interrupted goes on where it was. With --tempo the tempo is not searched for.
+    Prints the factors, what was tuned and what changed, and writes the task; comments stay.
+    A search that is interrupted goes on where it was. With --tempo, time is not searched for.
     Ends with 0 if everything succeeds in the end, 1 if not, 2 if the input makes no sense.
 
     [dim]adonis adapt macarena --to adonis-giant --tempo 103[/dim]
