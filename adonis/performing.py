@@ -22,7 +22,7 @@ from adonis.dancing import FloatArray, Stopped, run_task
 from adonis.errors import InputError
 from adonis.morphing import Becoming, morph
 from adonis.rehearsal.keeping import rehearsed
-from adonis.rehearsal.rehearsing import Rehearsed
+from adonis.rehearsal.searching import Rehearsed
 from adonis.reporting import Results, prepare_folder, remove_folders, write_results
 from adonis.showing import print_comparison
 from primitives import Primitive

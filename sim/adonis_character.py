@@ -183,8 +183,6 @@ class _Builder:
             self._capsule(pelvis, f"{side}_foot", heel, toe, 0.04, DARK)
             crest = (0.0, s * (half - b), 0.32 * top)
             self._landmark(f"{side}_hip", pelvis, crest, (0.45, s, 0.15))
-            # Where the other hand comes to lie: it cannot face the side from across the body.
-            self._landmark(f"{side}_hip.front", pelvis, crest, (1.0, 0.45 * s, 0.15))
         _inertial(pelvis, person.mass * 0.4, (0, 0, -0.3), (1.0, 1.0, 0.3))
 
     def _trunk(self) -> Any:
@@ -222,6 +220,9 @@ class _Builder:
             self._landmark(
                 f"{side}_ribs", trunk, (0, s * (chest - r), 0.39 * length), (1.3, s, 0.0)
             )
+            # Front of the iliac crest, at the belt: where a hand comes to lie from across the body.
+            belt = (0, 0.75 * y, 0.08 * length)
+            self._landmark(f"{side}_hip.front", trunk, belt, (1.0, 0.30 * s, 0.0))
         self._capsule(trunk, "sternum", (0, 0, 0.30 * length), (0, 0, 0.56 * length), b, SHIRT)
         upper = 0.40 * chest
         self._capsule(

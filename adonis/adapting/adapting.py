@@ -32,7 +32,6 @@ def adapt(
     *,
     budget: int,
     seed: int = 0,
-    threads: int = 1,
     keep_tempo: bool = False,
     afresh: bool = False,
     progress: Progress | None = None,
@@ -47,7 +46,6 @@ def adapt(
         body: the body.
         budget: how many candidates are danced, at most.
         seed: of what is drawn.
-        threads: of the physics; the result does not depend on it.
         keep_tempo: whether its times stay as they are.
         afresh: forget what was kept.
         progress: told how many candidates have been danced, and the best so far.
@@ -61,7 +59,7 @@ def adapt(
     every: list[list[Mark]] = []
 
     def tries(candidates: Sequence[Factors]) -> list[Mark]:
-        return marks([bind_task(turned(spec, f), body) for f in candidates], threads=threads)
+        return marks([bind_task(turned(spec, f), body) for f in candidates])
 
     def done(generation: Sequence[Mark], found: Found) -> None:
         every.append(list(generation))

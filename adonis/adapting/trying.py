@@ -34,14 +34,10 @@ class Mark:
 BROKEN = Mark(10**6, 0, BROKE)
 
 
-def marks(tasks: Sequence[BoundTask], *, threads: int = 1) -> list[Mark]:
-    """Dance variants of a task on bodies with the same model, and mark each.
-
-    Raises:
-        ArbiterError: see `play`.
-    """
+def marks(tasks: Sequence[BoundTask]) -> list[Mark]:
+    """Dance variants of a task on bodies with the same model, and mark each."""
     seconds = [_seconds(task) for task in tasks]
-    recordings = play(tasks, opening(tasks[0]), max(seconds), threads=threads)
+    recordings = play(tasks, opening(tasks[0]), max(seconds))
     return [
         BROKEN if recording is None else mark(judged(recording, task, until))
         for recording, task, until in zip(recordings, tasks, seconds, strict=True)

@@ -12,7 +12,8 @@ from pydantic import ValidationError
 
 from adonis.keeping import keep, kept_file, read_kept
 from adonis.rehearsal.grading import Grade
-from adonis.rehearsal.rehearsing import Progress, Rehearsed, rehearse, with_ways
+from adonis.rehearsal.rehearsing import Progress, rehearse
+from adonis.rehearsal.searching import Rehearsed, with_ways
 from primitives import GoToPoint
 from sim import Body
 from specs import (
@@ -25,7 +26,7 @@ from specs import (
     task_to_yaml,
 )
 
-WAY = ("upper_arm", "travel", "via")  # what a rehearsal fills in
+WAY = ("upper_arm", "palm", "travel", "via")  # what a rehearsal fills in
 
 
 def rehearsed(
@@ -86,7 +87,10 @@ def _ways_in(kept: Any, spec: TaskSpec) -> dict[str, Rehearsed]:
     try:
         return {
             name: Rehearsed(
-                GoToPoint.model_validate(way["does"]), Grade(**way["grade"]), int(way["tried"])
+                GoToPoint.model_validate(way["does"]),
+                Grade(**way["grade"]),
+                int(way["tried"]),
+                int(way["turns"]),
             )
             for name, way in kept.items()
             if name in names
@@ -102,6 +106,7 @@ def _plain(ways: Mapping[str, Rehearsed]) -> dict[str, Any]:
             "does": way.does.model_dump(mode="json", exclude_unset=True),
             "grade": vars(way.grade),
             "tried": way.tried,
+            "turns": way.turns,
         }
         for name, way in ways.items()
     }
