@@ -288,13 +288,13 @@ class _Builder:
         self._capsule(
             upper, f"{side}_upper_arm", (0, 0, -middle), (0, 0, -ua.length), 0.95 * r, SKIN
         )
+        # Half a hand's length above the crook: there a hand has room when the elbow is bent, too.
+        self._landmark(f"{side}_elbow.inside", upper, (0, 0, -0.70 * ua.length), (1, 0, 0))
 
         forearm = upper.add_body(name=f"{side}_forearm", pos=[0.0, 0.0, -ua.length])
         self._joints(forearm, (f"{side}_elbow",))
         _hanging(forearm, fa)
         r = fa.radius
-        # Half a hand's length below the crook: a hand lies there when the elbow is bent, too.
-        self._landmark(f"{side}_elbow.inside", forearm, (0, 0, -0.36 * fa.length), (1, -0.5 * s, 0))
         self._capsule(
             forearm, f"{side}_forearm", (0, 0, 0), (0, 0, -0.5 * fa.length), 1.05 * r, SKIN
         )

@@ -2,15 +2,13 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from adonis.rehearsal.stage import EARLY
 from primitives import GoToPoint
 from specs import BoundTask, SubTask
 
 AFTERWARDS = 0.25  # [s] for which a goal is watched when its time is over, at most
 AHEAD = 1.2  # [s] the same, where all that comes later has its way already
-BEYOND = 0.02  # [s] and a little more, in which what is to end meanwhile does
+BEYOND = 0.02  # [s] and a little more, so that what is to end meanwhile does
 
 
 @dataclass(frozen=True)
@@ -32,7 +30,7 @@ def outlook(task: BoundTask, subtask: SubTask, *, alone: bool) -> Outlook:
         alone: whether what comes later is held back.
     """
     own = max(task.graph.lasts(subtask.name) * subtask.times, subtask.timeout or 0.0)
-    rest = _rest(task, subtask, AFTERWARDS) if alone else _rest(task, subtask, AHEAD) + BEYOND
+    rest = _rest(task, subtask, AFTERWARDS if alone else AHEAD) + BEYOND
     freed = alone and _freed(task, subtask)
     return Outlook(own + rest, alone, freed, _next_hand(task, subtask) if alone else None)
 
@@ -70,7 +68,7 @@ def _rest(task: BoundTask, subtask: SubTask, longest: float) -> float:
         for start, name in _later(task, subtask)
         if claimed[name] & claimed[subtask.name] or carries(task, claimed[name], subtask.name)
     ]
-    return float(np.clip(min(starts, default=longest), task.body.timestep, longest))
+    return min([*starts, longest])
 
 
 def _freed(task: BoundTask, subtask: SubTask) -> bool:
