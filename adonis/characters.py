@@ -47,10 +47,10 @@ def adapt(
     """
     from rich.console import Console
 
+    from adonis.adapting.performing import perform_adaptation
     from adonis.adapting.showing import print_difference, print_found, print_laws
     from adonis.adapting.writing import adapted_text, difference
     from adonis.errors import OutputError
-    from adonis.performing import perform_adaptation
     from adonis.reporting import prepare_file, write_text
     from sim import BodyError, likeness, load_body
     from specs import SpecError, find_task, fitted

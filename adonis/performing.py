@@ -14,8 +14,6 @@ from rich.progress import (
     TimeElapsedColumn,
 )
 
-from adonis.adapting.adapting import Adapted, adapt
-from adonis.adapting.searching import Found
 from adonis.comparison.human import Human
 from adonis.comparison.report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
@@ -27,7 +25,7 @@ from adonis.reporting import Results, prepare_folder, remove_folders, write_resu
 from adonis.showing import print_comparison
 from primitives import Primitive
 from sim import Body, Recording, unknown
-from specs import BoundTask, TaskSpec, bind_task
+from specs import BoundTask, bind_task
 
 FEWEST_ROWS = 2  # of a recording that is worth keeping: fewer are no movement
 
@@ -70,7 +68,7 @@ def perform(
     try:
         made = prepare_folder(folder)
         ours = not part.exists()
-        with Progress(*_columns(), console=console, transient=True) as bar:
+        with Progress(*bar_columns(), console=console, transient=True) as bar:
             shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
 
             def moving(share: float, subtask: str) -> None:
@@ -129,7 +127,7 @@ def perform_morph(
     console: Console, bound: BoundTask, to: str, *, limits: bool, contacts: bool
 ) -> Becoming:
     """Make the bodies on the way to another person, with a bar: see `morph`."""
-    with Progress(*_columns(), console=console, transient=True) as bar:
+    with Progress(*bar_columns(), console=console, transient=True) as bar:
         shown = bar.add_task("", total=1.0)
         return morph(
             bound, to, limits=limits, contacts=contacts,
@@ -141,7 +139,7 @@ def perform_rehearsal(
     console: Console, bound: BoundTask, *, seed: int, afresh: bool
 ) -> tuple[BoundTask, dict[str, Rehearsed]]:
     """Find the ways that a task lacks, with a bar: see `rehearsed`."""
-    with Progress(*_columns(), console=console, transient=True) as bar:
+    with Progress(*bar_columns(), console=console, transient=True) as bar:
         shown = bar.add_task("rehearsing (slow only the first time)", total=1.0)
 
         def trying(share: float, subtask: str) -> None:
@@ -149,42 +147,6 @@ def perform_rehearsal(
 
         spec, found = rehearsed(bound.spec, bound.body, seed=seed, afresh=afresh, progress=trying)
     return bind_task(spec, bound.body), found
-
-
-def perform_adaptation(
-    console: Console,
-    spec: TaskSpec,
-    body: Body,
-    *,
-    budget: int,
-    seed: int,
-    keep_tempo: bool,
-    afresh: bool,
-) -> Adapted:
-    """Search for what suits a body better, with a bar: see `adapt`.
-
-    Ways of hands that the task lacks are found first.
-    """
-    if spec.rehearse:
-        bound, _ = perform_rehearsal(console, bind_task(spec, body), seed=seed, afresh=afresh)
-        spec = bound.spec
-    with Progress(*_columns(), console=console, transient=True) as bar:
-        shown = bar.add_task("dancing as the laws have it (slow only the first time)", total=1.0)
-
-        def moving(tried: int, found: Found) -> None:
-            best = f"{found.mark.failures} failures, cost {found.mark.cost:.2f}"
-            said = f"{tried} of {budget} danced; best so far: {best}"
-            bar.update(shown, completed=tried / budget, description=said)
-
-        try:
-            return adapt(
-                spec, body, budget=budget, seed=seed, keep_tempo=keep_tempo, afresh=afresh,
-                progress=moving,
-            )  # fmt: skip
-        except KeyboardInterrupt:
-            bar.stop()
-            console.print("What was found is kept: the same command goes on from there.")
-            raise
 
 
 def perform_comparison(
@@ -208,7 +170,7 @@ def perform_comparison(
     made = prepare_folder(folder)
     done = False
     try:
-        with Progress(*_columns(), console=console, transient=True) as bar:
+        with Progress(*bar_columns(), console=console, transient=True) as bar:
             shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
             comparison, written = compare_and_write(
                 task, body, folder, dancers=dancers, human=human, quick=quick, seed=seed,
@@ -222,7 +184,7 @@ def perform_comparison(
     print_comparison(console, comparison, written)
 
 
-def _columns() -> tuple[ProgressColumn, ...]:
+def bar_columns() -> tuple[ProgressColumn, ...]:
     """What a bar shows."""
     return (
         SpinnerColumn(),

@@ -15,7 +15,6 @@ from sim.errors import BodyError, unknown
 from sim.extending import renamed
 from sim.gains import Gains, scaled_gains
 from sim.laws import Law
-from sim.likeness import moved_inertia
 from sim.people import person
 from sim.people_by_name import person_of
 from sim.scaling import scale_model, scale_motors
@@ -74,10 +73,7 @@ def adonis(
         person.scaled(Law.geometric(1.0 / size.length)), limits=limits, contacts=contacts
     )
     scale_model(spec, size)
-    moved, more = moved_inertia(man.model, rigid=True), moved_inertia(spec.compile(), rigid=True)
-    scale_motors(
-        spec, {joint: Law(size.length, size.mass, more[joint] / moved[joint]) for joint in moved}
-    )
+    scale_motors(spec, man, size)
     return _with_gains_of(man, spec, name, person)
 
 

@@ -46,8 +46,7 @@ def scaled(
     whole = Law.geometric(size) if isinstance(size, float | int) else size
     spec = body.spec.copy()
     scale_model(spec, whole, segments or {})
-    moved, more = moved_inertia(body.model, rigid=True), moved_inertia(spec.compile(), rigid=True)
-    scale_motors(spec, {j: Law(whole.length, whole.mass, more[j] / moved[j]) for j in moved})
+    scale_motors(spec, body, whole)
     larger = Body(spec, _names(body, whole, name or body.map.name))
     gains, _ = scaled_gains(body, Gains.of(body.map), larger, length=whole.length)
     return renamed(larger, gains.on(larger.map))
@@ -83,8 +82,16 @@ def scale_model(spec: Any, whole: Law, segments: Mapping[str, Law] | None = None
     spec.stat.extent *= whole.length
 
 
-def scale_motors(spec: Any, joints: Mapping[str, Law]) -> None:
-    """Scale what acts on each hinge: its motor, armature, damping and springs."""
+def scale_motors(spec: Any, body: Body, whole: Law) -> None:
+    """Scale what acts on each hinge: its motor, armature, damping and springs.
+
+    Args:
+        spec: a model whose links are scaled, and whose motors are still those of `body`.
+        body: the body that it is scaled from.
+        whole: the law of its length and time; I is that of what each hinge moves.
+    """
+    moved, more = moved_inertia(body.model, rigid=True), moved_inertia(spec.compile(), rigid=True)
+    joints = {name: Law(whole.length, whole.mass, more[name] / moved[name]) for name in moved}
     for joint in spec.joints:
         law = joints[joint.name]
         joint.armature *= law.inertia
