@@ -89,5 +89,5 @@ def _led(subtask: SubTask, travel: float, detour: float) -> SubTask:
 
 
 def _farther(place: ViaPlace, detour: float) -> ViaPlace:
-    away = round(place.away * detour, 2 + DIGITS) if detour != 1.0 else place.away
+    away = round(place.away * detour, 1 + DIGITS) if detour != 1.0 else place.away
     return place if away == place.away else place.model_copy(update={"away": away})
