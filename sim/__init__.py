@@ -1,8 +1,9 @@
 """Floor 1: bodies, physics and recordings. The only floor that imports MuJoCo."""
 
-from sim.bodies import BODIES, adonis, load_body
+from sim.anthropometry import FEMALE, MALE, Anthropometry
+from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
-from sim.body_map import BodyMap, Head, Limb, Servo, Spring
+from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
 from sim.clearance import clearances, depth_inside
 from sim.errors import (
     BeyondRange,
@@ -13,10 +14,14 @@ from sim.errors import (
     SimError,
     unknown,
 )
-from sim.extending import extended, halfway
+from sim.extending import extended, halfway, renamed
+from sim.gains import Gains, firmer, mean_hand, mean_joint, scaled_gains, spring_laws
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
 from sim.lag import Haste, Lag
+from sim.laws import Law
+from sim.likeness import Likeness, likeness
+from sim.morphing import between, person_named
 from sim.motions import (
     Motion,
     inverse_dynamics,
@@ -24,12 +29,15 @@ from sim.motions import (
     site_paths,
     straight_motion,
 )
+from sim.people import person
+from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
 from sim.posing import ArmWords, pose
 from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
+from sim.scaling import scaled
 from sim.spring_way import (
     HandPath,
     Springs,
@@ -47,7 +55,11 @@ from sim.world import BareWorld, Moment, Push, World
 __all__ = [
     "BODIES",
     "DIRECTIONS",
+    "FEMALE",
+    "MALE",
+    "PEOPLE",
     "VIEWS",
+    "Anthropometry",
     "Arm",
     "ArmWords",
     "BareWorld",
@@ -60,12 +72,16 @@ __all__ = [
     "Detour",
     "Diverged",
     "Frame",
+    "Gains",
     "Gaze",
+    "Guard",
     "HandPath",
     "Haste",
     "Head",
     "Inertias",
     "Lag",
+    "Law",
+    "Likeness",
     "Limb",
     "Moment",
     "Motion",
@@ -88,29 +104,41 @@ __all__ = [
     "World",
     "adonis",
     "axes_of",
+    "between",
     "carrier",
     "clearances",
     "depth_inside",
     "extended",
     "find_gaze",
     "find_way",
+    "firmer",
     "halfway",
     "inertias",
     "inverse_dynamics",
     "joint_inertia",
+    "likeness",
     "load_body",
     "mass_matrix",
+    "mean_hand",
+    "mean_joint",
     "minimum_jerk_profile",
     "moving_dofs",
     "origin",
     "palm_jacobian",
+    "person",
+    "person_named",
+    "person_of",
     "places_of",
     "planar_arm",
     "pose",
     "reach",
+    "renamed",
     "render_filmstrip",
     "render_video",
+    "scaled",
+    "scaled_gains",
     "site_paths",
+    "spring_laws",
     "spring_way",
     "straight_motion",
     "straight_way",
