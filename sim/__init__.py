@@ -4,7 +4,7 @@ from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
-from sim.clearance import clearances, depth_inside
+from sim.clearance import clearance, clearances, depth_inside
 from sim.errors import (
     BeyondRange,
     BodyError,
@@ -106,6 +106,7 @@ __all__ = [
     "axes_of",
     "between",
     "carrier",
+    "clearance",
     "clearances",
     "depth_inside",
     "extended",
