@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from primitives.compiled import Record, Records, compiled
-from primitives.impedance import palm_force, palm_position, push_palm
-from primitives.mechanics import Row, add, dot, point_velocity, scale, subtract, to_world, vector
+from primitives.impedance import goal_place, palm_force, palm_position, push_palm
+from primitives.mechanics import Row, add, dot, point_velocity, scale, subtract
 
 FloatArray = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ def endpoint_force(
     force, speed = palm_force(x, r, points, memory, weight, rate)
     palm = palm_position(x, r)
     p = points[r.points + weight.shape[0] - 2]
-    gap = subtract(palm, to_world(x, p.link, vector(p.point)))
+    gap = subtract(palm, goal_place(x, r, p, memory))
     slip = subtract(point_velocity(x, r.hand, palm), speed)
     force = add(force, scale(r.approach * np.sqrt(dot(gap, gap)), slip))
     push_palm(x, r, (0.0, 0.0, 0.0), force, out)

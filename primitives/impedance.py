@@ -53,6 +53,7 @@ REACH = np.dtype(
         ("fingers", *_VECTOR),
         # The goal: via points and goal are rows of POINT; directions are unit vectors.
         ("points", np.int32),  # first row
+        ("stays", np.bool_),  # whether the goal is where it was as the movement began
         ("turns_palm", np.bool_),
         ("turns_fingers", np.bool_),
         ("turns_upper_arm", np.bool_),
@@ -80,8 +81,10 @@ PALM_WAITS = 0.3  # share of the movement for which the palm keeps its place on 
 LOOSELY = 0.2  # how firmly, in the end, fingers that are free keep in line with the forearm
 NEARLY_OPPOSITE = -0.7  # cosine of an angle of 134 degrees
 # Start of the palm and of the upper arm in the root's frame, of the palm's normal and of the
-# fingers in the forearm's, and whether the palm turns by way of its neutral direction.
-REMEMBERED = 13
+# fingers in the forearm's, whether the palm turns by way of its neutral direction; and of a goal
+# that stays its place, and the normal of the palm there, in the root's frame.
+REMEMBERED = 19
+GOAL, FACING = 13, 16
 
 
 @compiled
@@ -110,6 +113,40 @@ def begin_reach(x: Row, r: Record, memory: FloatArray) -> None:
 
 
 @compiled
+def keep_goal(x: Row, r: Record, points: Records, knots: int, memory: FloatArray) -> None:
+    """Remember where the goal is, if it is to stay there.
+
+    Args:
+        x: the simulation.
+        r: a row of REACH.
+        points: rows of POINT.
+        knots: how many there are: start, via points and goal.
+        memory: of `begin_reach`.
+    """
+    if r.stays:
+        goal = points[r.points + knots - 2]
+        store(memory, GOAL, to_link(x, r.root, to_world(x, goal.link, vector(goal.point))))
+        facing = rotate(x, r.normal_link, vector(r.normal_goal))
+        store(memory, FACING, unrotate(x, r.root, facing))
+
+
+@compiled
+def goal_place(x: Row, r: Record, p: Record, memory: FloatArray) -> tuple[float, float, float]:
+    """Where the goal p, a row of POINT, is in the world [m]."""
+    if r.stays:
+        return to_world(x, r.root, (memory[GOAL], memory[GOAL + 1], memory[GOAL + 2]))
+    return to_world(x, p.link, vector(p.point))
+
+
+@compiled
+def goal_facing(x: Row, r: Record, memory: FloatArray) -> tuple[float, float, float]:
+    """Which way the palm is to face in the end, in the world."""
+    if r.stays:
+        return rotate(x, r.root, (memory[FACING], memory[FACING + 1], memory[FACING + 2]))
+    return rotate(x, r.normal_link, vector(r.normal_goal))
+
+
+@compiled
 def palm_force(
     x: Row,
     r: Record,
@@ -123,7 +160,10 @@ def palm_force(
     wanted, speed = scale(weight[0], start), scale(rate[0], start)
     for k in range(1, weight.shape[0]):
         p = points[r.points + k - 1]
-        place = to_world(x, p.link, vector(p.point))
+        if k == weight.shape[0] - 1:
+            place = goal_place(x, r, p, memory)
+        else:
+            place = to_world(x, p.link, vector(p.point))
         wanted = add(wanted, scale(weight[k], place))
         speed = add(speed, scale(rate[k], place))
     palm = palm_position(x, r)
@@ -204,7 +244,7 @@ def pull_hand(
     late = minimum_jerk((share - PALM_WAITS) / (1.0 - PALM_WAITS))
     normal = rotate(x, r.forearm, (memory[3], memory[4], memory[5]))
     if r.turns_palm:
-        goal = rotate(x, r.normal_link, vector(r.normal_goal))
+        goal = goal_facing(x, r, memory)
         if memory[12] != 0.0:
             neutral = rotate(x, r.forearm, vector(r.palm_neutral))
             normal = turn_by_way_of(normal, neutral, goal, late)

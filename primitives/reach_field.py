@@ -67,6 +67,12 @@ class ReachField(GoalField):
         shoulder = self._body.at_home(self.arm.upper_arm, np.zeros(3))
         return max(0.0, float(np.linalg.norm(place - shoulder)) - self._body.reach(self.arm))
 
+    def _on_another_limb(self) -> bool:
+        """Whether another limb carries the goal: then it stays where that is in the beginning."""
+        body, others = self._body, set(self._body.map.limbs) - {self.arm.name}
+        moved = body.ancestors[self.hand_goal.places[-1].link]
+        return any(bool(moved[body.joints(limb)].any()) for limb in others)
+
     def weights(self, t: FloatArray) -> FloatArray:
         """Weights (k, 1 + places) of start, via points and goal in the set point, at t (k,) [s]."""
         return weights_at(self._profile, self._times, t / self._duration)
@@ -77,6 +83,7 @@ class ReachField(GoalField):
         for row, place in zip(points, self.hand_goal.places, strict=True):
             row["link"], row["point"] = place.link, place.point
         reach = self.springs.copy()
+        reach["stays"] = self._on_another_limb()
         reach["points"] = table.records(points)
         return table.field(
             IMPEDANCE if self.controller == "impedance" else ENDPOINT_FORCE,

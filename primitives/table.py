@@ -21,6 +21,7 @@ from primitives.impedance import (
     REMEMBERED,
     begin_reach,
     impedance,
+    keep_goal,
     palm_position,
     pull_hand,
 )
@@ -178,7 +179,7 @@ class TableBuilder:
 
 def memory_size(table: FieldTable) -> int:
     """How many numbers a field may remember per simulation."""
-    most: int = max(table.claims.shape[1], SINCE + 1)
+    most: int = max(table.claims.shape[1], SINCE + 1, REMEMBERED)
     for field in table.fields:
         if field["kind"] == RHYTHM:
             joints = int(table.numbers[field["row"] + JOINTS])
@@ -199,6 +200,7 @@ def begin_field(table: FieldTable, f: int, x: Row, memory: FloatArray) -> None:
             memory[j] = x.qpos[at] if at >= 0 else 0.0
     elif field.kind in (IMPEDANCE, ENDPOINT_FORCE):
         begin_reach(x, table.reaches[field.row], memory)
+        keep_goal(x, table.reaches[field.row], table.points, field.knots, memory)
     elif field.kind == RHYTHM:
         begin_rhythm(x, table.numbers[field.row :], memory)
     elif field.kind == HAND_RHYTHM:

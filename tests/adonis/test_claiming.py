@@ -89,3 +89,12 @@ def test_a_hand_finds_its_way_beside_the_other_arm(body: Body) -> None:
     _, (free,) = reach(body, arm, [goal])
     _, (beside,) = reach(body, arm, [goal], posture=across)
     assert free < 0.002 < beside
+
+
+def test_a_hand_stays_where_the_other_arm_was(recording: Recording, spec: TaskSpec) -> None:
+    """It does not chase an elbow that moves on; `follow` would."""
+    replay, spans = Replay(recording), {s.name: s for s in recording.spans}
+    palm, mark = (replay.site(name).position for name in ("right_palm", "left_elbow.inside"))
+    left, arrived = (recording.row(spans[name].end) for name in ("touch", "away"))
+    assert np.linalg.norm(mark[arrived] - mark[left]) > 0.1
+    assert np.linalg.norm(palm[arrived] - palm[left]) < 0.03
