@@ -91,7 +91,7 @@ def test_a_hand_finds_its_way_beside_the_other_arm(body: Body) -> None:
     assert free < 0.002 < beside
 
 
-def test_a_hand_stays_where_the_other_arm_was(recording: Recording, spec: TaskSpec) -> None:
+def test_a_hand_stays_where_the_other_arm_was(recording: Recording) -> None:
     """It does not chase an elbow that moves on; `follow` would."""
     replay, spans = Replay(recording), {s.name: s for s in recording.spans}
     palm, mark = (replay.site(name).position for name in ("right_palm", "left_elbow.inside"))
