@@ -14,9 +14,11 @@ from sim.errors import (
     unknown,
 )
 from sim.extending import extended, halfway
+from sim.foreseeing import Foreseen, Foresight, moved
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
+from sim.hand_springs import HandPath, HandSprings
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
-from sim.lag import Haste, Lag
+from sim.kinematics import axes_of, origin, places_of, turned
 from sim.motions import (
     Motion,
     inverse_dynamics,
@@ -30,16 +32,7 @@ from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
-from sim.spring_way import (
-    HandPath,
-    Springs,
-    axes_of,
-    origin,
-    palm_jacobian,
-    places_of,
-    spring_way,
-    turned,
-)
+from sim.springs import JointSprings, Springs
 from sim.state import State
 from sim.way import Detour, Way, find_way, straight_way, way_gone
 from sim.world import BareWorld, Moment, Push, World
@@ -59,13 +52,15 @@ __all__ = [
     "Closest",
     "Detour",
     "Diverged",
+    "Foreseen",
+    "Foresight",
     "Frame",
     "Gaze",
     "HandPath",
-    "Haste",
+    "HandSprings",
     "Head",
     "Inertias",
-    "Lag",
+    "JointSprings",
     "Limb",
     "Moment",
     "Motion",
@@ -101,9 +96,9 @@ __all__ = [
     "load_body",
     "mass_matrix",
     "minimum_jerk_profile",
+    "moved",
     "moving_dofs",
     "origin",
-    "palm_jacobian",
     "places_of",
     "planar_arm",
     "pose",
@@ -111,7 +106,6 @@ __all__ = [
     "render_filmstrip",
     "render_video",
     "site_paths",
-    "spring_way",
     "straight_motion",
     "straight_way",
     "turned",

@@ -1,24 +1,23 @@
-"""collision: ways on which links go into each other that must not touch, and a way round."""
+"""collision: movements on which links go into each other that must not touch; a way round."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from primitives import GetPosture, GoToPoint, ViaPlace, ViaPosture
-from primitives.primitive import FloatArray
-from sim import Body, axes_of, clearances, origin, places_of
+from sim import Body, Foreseen, axes_of, clearances, origin, places_of
 from specs.binding import BoundTask
 from specs.lint.course import Move, led_by
 from specs.lint.finding import Finding, Places, cm, point
-from specs.tolerances import PENETRATION, TOUCH_BEFORE_NEXT
+from specs.tolerances import PENETRATION
 
 Via = dict[str, Any] | None  # as a task file writes it
 
-EVERY = 2  # nodes of a way from one that is looked at to the next
-ROOM, APART = 0.015, 6  # [m] left by a way round, and nodes at its ends where it need not be
-STRAY = TOUCH_BEFORE_NEXT  # [m] from its goal, at the end of a way that is foreseen
+LOOKS = 60  # postures of a movement that are looked at, at most
+ROOM, APART = 0.015, 0.15  # [m] left by a way round, but for so much of its time at either end
 PRESSED = 0.015  # [m] that a hand and what it touches may go into each other in the end
 FARTHEST = (0.08, 0.16, 0.24, 0.32)  # [m] of a via point from the middle of the way
 MOST_SEARCHES = 4  # for via points in one task: each may take a second
@@ -39,25 +38,14 @@ class Clash:
 
 
 def colliding_ways(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
-    """Ways that pass through something or get stuck, as far as they can be foreseen."""
+    """Movements on which links go into each other, as far as they can be foreseen."""
     found = []
     known: dict[int, tuple[Clash, str, Via] | None] = {}
     searches = 0
     for move in moves:
-        if move.short > STRAY:  # then how the arm goes on cannot be foreseen
-            found.append(
-                places.finding(
-                    "note", "stuck", move.name,
-                    f"its way may lead the arm to the ends of its joints, {cm(move.short)} short"
-                    " of the goal",
-                    "lead it round by via points, or by a direction of 'upper_arm'",
-                    short=move.short,
-                )
-            )  # fmt: skip
-            continue
-        key = id(move.way)
+        key = id(move.foresight)
         if key not in known:
-            hit = clash(task.body, move, move.way)
+            hit = clash(move)
             searches += hit is not None
             aided = searches <= MOST_SEARCHES
             known[key] = None if hit is None else (hit, *_round(task, move, hit, aided))
@@ -66,7 +54,7 @@ def colliding_ways(task: BoundTask, places: Places, moves: Sequence[Move]) -> li
             continue
         hit, advice, via = told
         one, other = (name.replace("_", " ") for name in hit.links)
-        where = "in the end" if hit.at == 1.0 else f"at {100.0 * hit.at:.0f} % of its way"
+        where = "in the end" if hit.at >= 1.0 else f"at {100.0 * hit.at:.0f} % of its way"
         found.append(
             places.finding(
                 "warning", "collision", move.name,
@@ -77,43 +65,67 @@ def colliding_ways(task: BoundTask, places: Places, moves: Sequence[Move]) -> li
     return found
 
 
-def clash(body: Body, move: Move, way: FloatArray) -> Clash | None:
-    """The deepest collision on a way (k, nq) that is deeper than where it begins and ends."""
-    pairs = _pairs(body, move)
-    if not pairs:
+def clash(move: Move) -> Clash | None:
+    """The deepest collision of a movement that is deeper than where it begins and ends."""
+    if not touches(move, move.foreseen):
         return None
-    looked = way[::EVERY]
-    distances = clearances(body, looked, pairs)
+    pairs, through = _pairs(move), move.through()
+    looked = _looked(through)
     worst: Clash | None = None
-    for pair, distance in zip(pairs, distances.T, strict=True):
-        touches = _touches(body, move, pair)
-        allowed = PRESSED if touches else PENETRATION
-        begins = max(0.0, -float(distance[0])) if len(distance) > 1 else 0.0
-        ends = max(0.0, -float(distance[-1])) if touches else 0.0
+    for pair, distance in zip(
+        pairs, clearances(move.body, through.qpos[looked], pairs).T, strict=True
+    ):
+        meant = set(pair) == move.touching
+        allowed = PRESSED if meant else PENETRATION
+        begins = max(0.0, -float(distance[0]))
+        ends = max(0.0, -float(distance[-1])) if meant else 0.0
         k = int(np.argmin(distance))
         depth = -float(distance[k])
         if depth > max(begins, min(ends, PRESSED)) + allowed and (
             worst is None or depth > worst.depth
         ):
-            worst = Clash(pair, depth, k / max(1, len(looked) - 1))
+            worst = Clash(pair, depth, float(through.time[looked[k]]) / through.travel)
     return worst
 
 
-def is_free(body: Body, move: Move, way: FloatArray) -> bool:
-    """Whether nothing on a way (k, nq) is inside something else."""
-    return clash(body, move, way) is None
-
-
-def _is_roomy(body: Body, move: Move, way: FloatArray) -> bool:
-    """Whether a way keeps its distance, but for where it begins and ends."""
-    if not is_free(body, move, way):
+def touches(move: Move, foreseen: Foreseen) -> bool:
+    """Whether links that must not touch do, but for those that it is to bring together."""
+    pairs = [pair for pair in _pairs(move) if set(pair) != move.touching]
+    if not pairs:
         return False
-    return bool(clearances(body, way[APART:-APART:EVERY], _pairs(body, move)).min() > ROOM)
+    return bool(clearances(move.body, foreseen.qpos[_looked(foreseen)], pairs).min() < 0.0)
 
 
-def _pairs(body: Body, move: Move) -> list[tuple[str, str]]:
+def ends_free(move: Move) -> bool:
+    """Whether nothing is inside something else where a movement ends."""
+    pairs = _pairs(move)
+    distances = clearances(move.body, move.foreseen.qpos[-1:], pairs)[0]
+    allowed = [PRESSED if set(pair) == move.touching else PENETRATION for pair in pairs]
+    return bool((-distances <= allowed).all())
+
+
+def _is_roomy(move: Move) -> bool:
+    """Whether a movement keeps its distance, but for where it begins and ends."""
+    if touches(move, move.foreseen):
+        return False
+    share = move.foreseen.time / move.foreseen.travel
+    inner = move.foreseen.qpos[(share > APART) & (share < 1.0 - APART)]
+    return bool(clearances(move.body, inner[:: _step(len(inner))], _pairs(move)).min() > ROOM)
+
+
+def _looked(foreseen: Foreseen) -> NDArray[np.int_]:
+    """Rows of a movement that are looked at, the first and the last among them."""
+    last = len(foreseen.time) - 1
+    return np.append(np.arange(0, last, _step(last)), last)
+
+
+def _step(rows: int) -> int:
+    return -(-rows // LOOKS)
+
+
+def _pairs(move: Move) -> list[tuple[str, str]]:
     """Links that must not touch and of which the movement moves one."""
-    moved = set(move.dofs.tolist())
+    body, moved = move.body, set(move.dofs.tolist())
     return [
         pair
         for pair in body.map.keep_apart
@@ -125,16 +137,9 @@ def _moved_by(body: Body, link: str, dofs: set[int]) -> frozenset[int]:
     return frozenset(dofs & set(np.flatnonzero(body.ancestors[body.link(link)]).tolist()))
 
 
-def _touches(body: Body, move: Move, pair: tuple[str, str]) -> bool:
-    if move.limb is None or move.touched < 0:
-        return False
-    hand = body.map.limbs[move.limb].hand
-    return set(pair) == {hand, body.model.body(move.touched).name}
-
-
 def _round(task: BoundTask, move: Move, hit: Clash, search: bool) -> tuple[str, Via]:
     """What to do about a collision, and a via point that avoids it, if one is soon found."""
-    if hit.at == 1.0:
+    if hit.at >= 1.0:
         return "choose another goal, or turn the hand or the elbow another way", None
     does = task.graph.subtasks[move.name].does
     if not isinstance(does, GoToPoint | GetPosture) or does.via:
@@ -145,8 +150,8 @@ def _round(task: BoundTask, move: Move, hit: Clash, search: bool) -> tuple[str, 
         else _via_postures(task, move, does)
     )
     for said, changed in tries if search else ():
-        way = led_by(task, changed, move)
-        if way is not None and _is_roomy(task.body, move, way):
+        other = led_by(task, changed, move)
+        if other is not None and _is_roomy(other):
             via = changed.via[0].model_dump(exclude_defaults=True)
             return f"go round it: via: [{said}]", via
     return "go round it by way of via points; one alone was not found", None
@@ -154,9 +159,10 @@ def _round(task: BoundTask, move: Move, hit: Clash, search: bool) -> tuple[str, 
 
 def _via_places(task: BoundTask, move: Move, does: GoToPoint) -> Iterator[tuple[str, GoToPoint]]:
     body, arm = task.body, task.body.arm(does.limb)
-    start, end = (places_of(body, move.way[k], [arm.palm])[0] for k in (0, -1))
-    (trunk,) = places_of(body, move.way[0], [origin(arm.root)])
-    middle = axes_of(body, move.way[0], arm.root).T @ (0.5 * (start + end) - trunk)
+    first, last = move.foreseen.qpos[[0, -1]]
+    start, end = (places_of(body, q, [arm.palm])[0] for q in (first, last))
+    (trunk,) = places_of(body, first, [origin(arm.root)])
+    middle = axes_of(body, first, arm.root).T @ (0.5 * (start + end) - trunk)
     side = 1.0 if arm.limb.side == "left" else -1.0
     for far in FARTHEST:
         for ahead, aside, up in OUTWARDS:
@@ -174,7 +180,7 @@ def _via_postures(
         return
     arm = body.arm(does.limb)
     columns = body.qpos_of_dof[arm.dofs]
-    middle = np.rad2deg(0.5 * (move.way[0] + move.way[-1])[columns])
+    middle = np.rad2deg(0.5 * move.foreseen.qpos[[0, -1]].sum(axis=0)[columns])
     low, high = (np.rad2deg(limit[arm.dofs]) for limit in body.range)
     names = [body.dof_name(int(d)) for d in arm.dofs]
     swung = [k for k, d in enumerate(arm.dofs) if d in arm.shoulder_dofs]

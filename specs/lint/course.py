@@ -1,12 +1,11 @@
-"""The course of a task as it is planned: where each movement begins, and the way it goes.
+"""The course of a task as it is planned: where each movement begins, and how it goes.
 
-Nothing is simulated. Every sub-task is taken to begin at its planned time in the posture that the
-ones before it leave; what cannot be foreseen (a hand that follows something, a limb that hangs
-loose) is left out.
+No step of a simulation is taken. Every sub-task is thought to begin at its planned time in the
+posture that the ones before it leave; what cannot be foreseen (a hand that follows something, a
+limb that hangs loose) is left out.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,25 +16,23 @@ from primitives.primitive import Field, FloatArray, IntArray
 from primitives.reach_field import ReachField
 from sim import (
     Body,
+    Foreseen,
+    Foresight,
     HandPath,
-    Haste,
+    HandSprings,
+    JointSprings,
     Springs,
     axes_of,
     minimum_jerk_profile,
+    moved,
     origin,
     places_of,
-    spring_way,
     turned,
 )
 from specs.binding import BoundTask
-from specs.lint.success import missing
+from specs.lint.success import missed, short_of
 
-NODES = 41  # places of a way that are looked at
-# A spring pulls a palm as if it were a mass of so many kilograms, and what it does not follow is
-# as much quicker than that mass on that spring. Its joints, which catch up after the hand-over, are
-# then so much faster than foreseen. Both were found on tasks drawn at random: without via points
-# (speeds foreseen: 0.81 of the simulated, +-0.06), and with them.
-STRAIGHT, ROUND = (1.0, 1.2), (2.0, 1.0)
+NODES = 81  # places of a set point
 PALM_WAITS = 0.3  # share of a movement for which the palm keeps its place on the forearm
 
 
@@ -44,17 +41,54 @@ class Move:
     """A movement as it is planned."""
 
     name: str
+    does: GetPosture | GoToPoint
     dofs: IntArray  # that it moves (j,)
-    way: FloatArray  # (NODES, nq) at even shares of the time that its set point travels [rad]
     duration: float  # [s]
-    travel: float  # share of the duration in which the set point travels
     hold: float  # time for which the goal is then held [s]
     hand_over: float  # [s]
-    limb: str | None  # the arm that it moves
     touched: int  # the link that its hand is to touch; -1 for none
-    short: float  # by how much the palm is short of a goal when the way ends [m]; 0 for a posture
-    haste: Haste | None  # what it takes; None for a controller that follows no set point
-    miss: Callable[[FloatArray], float]  # of lags (h, j) at its end, as a share of what is allowed
+    curve: FloatArray | None  # set point of its joints (NODES, j) [rad], if it has one
+    foresight: Foresight  # how it goes in any time
+    foreseen: Foreseen  # how it goes in the time that it has
+    timed: bool  # whether that is foreseen for its controller, or only which way it goes
+
+    @property
+    def body(self) -> Body:
+        """What moves."""
+        return self.foresight.body
+
+    @property
+    def short(self) -> float:
+        """How far the palm is from its goal when the holding ends [m]; 0 for a posture."""
+        if isinstance(self.does, GetPosture):
+            return 0.0
+        return short_of(self.body, self.does, self.foreseen.qpos[-1])
+
+    @property
+    def touching(self) -> set[str]:
+        """The links that it is to bring together, a hand and another."""
+        if self.does.limb is None or self.touched < 0:
+            return set()
+        limb, model = self.body.map.limbs[self.does.limb], self.body.model
+        return {limb.hand, model.body(self.touched).name}
+
+    def in_time(self, duration: float) -> Foreseen:
+        """How it goes in a time [s]."""
+        return self._foreseen(self.foresight, duration)
+
+    def through(self) -> Foreseen:
+        """How it would go through whatever it must not touch, so that its depth can be told."""
+        apart = [pair for pair in self.body.map.keep_apart if set(pair) != self.touching]
+        return self._foreseen(replace(self.foresight, passed=frozenset(apart)), self.duration)
+
+    def _foreseen(self, foresight: Foresight, duration: float) -> Foreseen:
+        fade = min(self.hand_over, duration)
+        return foresight.in_time(self.does.travel * duration, duration + self.hold, fade)
+
+    def missed(self, foreseen: Foreseen, duration: float) -> float:
+        """How far it is from success if it goes so in a time [s], 1 being what is allowed."""
+        held = foreseen.between(duration, duration + self.hold)
+        return missed(self.body, self.does, held)
 
 
 def planned_moves(task: BoundTask) -> list[Move]:
@@ -86,7 +120,7 @@ def planned_moves(task: BoundTask) -> list[Move]:
             known[key] = _move(body, name, subtask.does, field, posture, *here, carried)
         move = known[key]
         if move is not None:
-            moves.append(Move(**{**vars(move), "name": name}))
+            moves.append(replace(move, name=name))
         left = _leaves(body, subtask.does, field, posture, move)
         if left is not None:
             over.append((end, field.claims, left))
@@ -111,12 +145,12 @@ def _leaves(
 ) -> FloatArray | None:
     """The angles of its joints that a sub-task leaves; NaN where nobody can tell."""
     columns = body.qpos_of_dof[field.claims]
+    if move is not None:
+        left: FloatArray = move.foreseen.qpos[-1][columns]
+        return left
     if isinstance(field, PostureField):
         goal: FloatArray = field.goal[field.claims]
         return goal
-    if move is not None:
-        left: FloatArray = move.way[-1][columns]
-        return left
     if isinstance(does, Hold):
         return posture[columns]
     if isinstance(does, Oscillate) or not len(field.claims):
@@ -139,99 +173,108 @@ def _move(
         return None
     if np.isnan(posture[body.qpos_of_dof[field.claims]]).any():
         return None
-    start = np.where(np.isnan(posture), body.home, posture)
     if does.controller == "torque-field" and does.via:
         return None  # it has pulses instead of a set point that runs through via postures
-    travel, touched = does.travel, -1
+    start = np.where(np.isnan(posture), body.home, posture)
+    travel, curve, touched = does.travel * duration, None, -1
+    springs: Springs
     if isinstance(field, PostureField):
-        springs = _joint_springs(body, does, field, start, travel * duration)
+        curve = _joint_set_point(body, field, start, travel)
+        springs = _servos(body, field.claims, start, curve, does.stiffness, does.damping)
     elif isinstance(field, ReachField):
         if body.ancestors[field.places[-1].link, field.arm.dofs].any():
             return None  # a place on the arm itself
-        springs = _hand_springs(body, field, start, travel * duration)
-        touched = field.hand_goal.touched
+        springs, touched = _hand_springs(body, field, start, travel), field.hand_goal.touched
     else:
         return None
-    blur, rush = 0.0, 1.0
-    if isinstance(field, ReachField):
-        mass, rush = ROUND if does.via else STRAIGHT
-        blur = float(np.sqrt(mass / float(field.springs[0]["stiffness"])))
-    haste = None
-    if does.controller in ("pd-servo", "impedance"):
-        haste = Haste(body, field.claims, springs, carried=carried, blur=blur, rush=rush)
+    held = _servos(body, field.claims, start)
+    foresight = Foresight(body, field.claims, start, springs, held, carried)
+    fade = min(hand_over, duration)
     return Move(
         name=name,
+        does=does,
         dofs=field.claims,
-        way=springs.qpos,
         duration=duration,
-        travel=travel,
         hold=hold,
         hand_over=hand_over,
-        limb=does.limb,
         touched=touched,
-        short=_short(body, does, springs.qpos[-1]),
-        haste=haste,
-        miss=missing(body, does, field, springs.qpos[-1]),
+        curve=curve,
+        foresight=foresight,
+        foreseen=foresight.in_time(travel, duration + hold, fade),
+        timed=does.controller in ("pd-servo", "impedance"),
     )
 
 
-def _short(body: Body, does: GetPosture | GoToPoint, end: FloatArray) -> float:
-    if isinstance(does, GetPosture):
-        return 0.0
-    arm = body.arm(does.limb)
-    palm, goal = places_of(body, end, [arm.palm, does.hand_goal(body, arm).places[-1]])
-    return float(np.linalg.norm(palm - goal))
+def _joint_set_point(
+    body: Body, field: PostureField, start: FloatArray, travel: float
+) -> FloatArray:
+    """Where a servo wants its joints (NODES, j) [rad]."""
+    times, dofs = np.linspace(0.0, travel, NODES), field.claims
+    return field.set_point(times, start[body.qpos_of_dof[dofs]], dofs.tolist())
 
 
-def _joint_springs(
-    body: Body, does: GetPosture | GoToPoint, field: PostureField, start: FloatArray, travel: float
-) -> Springs:
-    dofs, columns = field.claims, body.qpos_of_dof[field.claims]
-    gains = joint_gains(body, dofs, stiffness=does.stiffness, damping=does.damping)
-    way = np.tile(start, (NODES, 1))
-    times = np.linspace(0.0, travel, NODES)
-    way[:, columns] = field.set_point(times, start[columns], dofs.tolist())
-    stiffness, damping = (np.diag(g[dofs]) for g in (gains.stiffness, gains.damping))
-    alike = (NODES, 1, 1)
-    return Springs(
-        way, np.tile(stiffness, alike), np.tile(damping, alike), np.tile(0.0 * damping, alike)
-    )
+def _servos(
+    body: Body,
+    dofs: IntArray,
+    start: FloatArray,
+    set_point: FloatArray | None = None,
+    stiffness: float | None = None,
+    damping: float | None = None,
+) -> JointSprings:
+    """Servos on some joints and those that carry them, which hold them where they are.
+
+    Args:
+        body: whose joints.
+        dofs: the joints (j,).
+        start: posture (nq,) that is held.
+        set_point: of the joints instead (NODES, j) [rad]; then the others have no servo.
+        stiffness: of all [N m/rad]; default: the body's.
+        damping: likewise [N m s/rad].
+    """
+    every = moved(body, dofs)
+    gains = joint_gains(body, every, stiffness=stiffness, damping=damping)
+    here = start[body.qpos_of_dof[every]]
+    wanted = np.tile(here, (NODES, 1))
+    if set_point is not None:
+        wanted[:, : len(dofs)] = set_point
+    return JointSprings(body, every, wanted, gains.stiffness[every], gains.damping[every])
 
 
-def _hand_springs(body: Body, field: ReachField, start: FloatArray, travel: float) -> Springs:
+def _hand_springs(body: Body, field: ReachField, start: FloatArray, travel: float) -> HandSprings:
     arm, goal, gains = field.arm, field.hand_goal, field.springs[0]
     shares = np.linspace(0.0, 1.0, NODES)
     knots = places_of(body, start, [arm.palm, *field.places])
     rise, late = (minimum_jerk_profile(shares - wait, 1.0 - wait)[0] for wait in (0.0, PALM_WAITS))
-    root = axes_of(body, start, arm.root)
+    root, (carrier,) = axes_of(body, start, arm.root), places_of(body, start, [origin(arm.root)])
     normal = upper_arm = None
     if goal.normal is not None:
         link, wanted = goal.normal
-        normal = axes_of(body, start, link) @ wanted
+        normal = root.T @ axes_of(body, start, link) @ wanted
     if goal.upper_arm is not None:
-        shoulder_at, elbow = places_of(body, start, [origin(arm.upper_arm), origin(arm.forearm)])
-        along = (elbow - shoulder_at) / np.linalg.norm(elbow - shoulder_at)
-        upper_arm = np.array([turned(along, root @ goal.upper_arm, share) for share in rise])
-    shoulder = np.isin(arm.dofs, arm.shoulder_dofs).astype(np.float64)
+        shoulder, elbow = places_of(body, start, [origin(arm.upper_arm), origin(arm.forearm)])
+        along = root.T @ (elbow - shoulder) / np.linalg.norm(elbow - shoulder)
+        upper_arm = np.array([turned(along, goal.upper_arm, share) for share in rise])
     path = HandPath(
-        place=field.weights(shares * travel) @ knots,
+        place=field.weights(shares * travel) @ ((knots - carrier) @ root),
         stiffness=float(gains["stiffness"]),
         damping=float(gains["damping"]),
         late=late,
         normal=normal,
-        fingers=None if goal.fingers is None else root @ goal.fingers,
+        neutral=body.palm_at_home(arm) if goal.by_neutral else None,
+        fingers=goal.fingers,
         upper_arm=upper_arm,
         turn_stiffness=float(gains["turn_stiffness"]),
         turn_damping=float(gains["turn_damping"]),
         upper_arm_stiffness=float(gains["upper_arm_stiffness"]),
-        duration=travel,
-        joint_damping=float(gains["shoulder_damping"]) * shoulder,
+        upper_arm_damping=float(gains["upper_arm_damping"]),
+        shoulder_damping=float(gains["shoulder_damping"]),
     )
-    return spring_way(body, arm, start, path)
+    return HandSprings(body, arm, moved(body, arm.dofs), start, path)
 
 
-def led_by(task: BoundTask, does: GetPosture | GoToPoint, move: Move) -> FloatArray | None:
-    """The way (k, nq) of a movement if another primitive did it."""
+def led_by(task: BoundTask, does: GetPosture | GoToPoint, move: Move) -> Move | None:
+    """The same movement if another primitive did it."""
     field = does.bind(task.body, move.duration)
-    made = _move(task.body, move.name, does, field, move.way[0], move.duration, 0.0, 0.0, True)
-    return None if made is None else made.way
+    here = move.duration, move.hand_over, move.hold
+    carried = move.foresight.carried
+    return _move(task.body, move.name, does, field, move.foresight.start, *here, carried)

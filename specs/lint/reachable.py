@@ -20,7 +20,7 @@ from sim import (
     reach,
 )
 from specs.binding import BoundTask
-from specs.lint.collisions import is_free
+from specs.lint.collisions import ends_free
 from specs.lint.course import Move
 from specs.lint.finding import Finding, Places, cm, point
 from specs.tolerances import TOUCH_BEFORE_NEXT as MISS
@@ -38,7 +38,7 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
 
     A way that was found and ends at the goal, beside the body, needs no further search.
     """
-    arrive = {m.name for m in moves if m.short < ARRIVED and is_free(task.body, m, m.way[-1:])}
+    arrive = {m.name for m in moves if m.short < ARRIVED and ends_free(m)}
     body, found = task.body, []
     away = moved_from_home(task)
     known: dict[object, tuple[float, str, Best]] = {}

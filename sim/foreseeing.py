@@ -1,0 +1,254 @@
+"""How a limb will move that springs pull, the rest being held: its own equation of motion.
+
+    M(q) q'' + c(q, q') + D q' = tau(q, q', t) + J^T f,      |tau| <= what the motors have
+
+with MuJoCo's mass matrix and bias torques, in steps by the linearly implicit midpoint rule, which
+stays stable where springs are stiff for the step. Joints stop at the ends of their ranges; what the
+limb leans on pushes back and rubs like a firm spring, if it is not to be passed through. Servos
+hold the joints that carry the limb; nothing else of the body moves. No step of the simulation is
+taken.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.body import Body
+from sim.springs import JointSprings, Pull, Springs
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int32]
+
+STEP = 0.006  # [s]
+FEWEST, MOST = 30, 400  # steps while the set point travels
+AT_REST = 0.01  # [rad/s] once the set point rests
+FIRM, DULL = 3e4, 300.0  # of what is leant on [N/m, N s/m]
+SAME = 1e-9  # [m/rad]
+SLOW = 0.02  # [m/s] below which friction is a damper
+ENDS = 4  # times that joints which pass the ends of their ranges are looked for in a step
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """How a limb moves in a given time."""
+
+    travel: float  # time in which the set point travels [s]
+    time: FloatArray  # (k,) [s]
+    qpos: FloatArray  # (k, nq)
+    # Of the joints `moved`, as shares of their limits: largest speed and largest torque that is
+    # asked for (j,).
+    speed: FloatArray
+    torque: FloatArray
+    leans: tuple[tuple[str, str], ...]  # links that lean on each other in the end
+    at_end: IntArray  # joints (e,) that are in the end at an end of their range
+
+    def between(self, first: float, last: float) -> FloatArray:
+        """The postures (h, nq) from one time to another [s], both with it."""
+        inner = (self.time > first) & (self.time < last)
+        ends = [self._at(time) for time in (first, last)]
+        return np.vstack([ends[0], self.qpos[inner], ends[1]])
+
+    def _at(self, time: float) -> FloatArray:
+        k = int(np.searchsorted(self.time, time, side="right"))
+        if k >= len(self.time):
+            last: FloatArray = self.qpos[-1]
+            return last
+        k = max(k, 1)
+        part = (time - self.time[k - 1]) / (self.time[k] - self.time[k - 1])
+        between: FloatArray = (1.0 - part) * self.qpos[k - 1] + part * self.qpos[k]
+        return between
+
+
+@dataclass(frozen=True)
+class Foresight:
+    """A movement that can be foreseen for any time that it is given."""
+
+    body: Body
+    dofs: IntArray  # that it moves
+    start: FloatArray  # posture (nq,) in which it begins, at rest
+    springs: Springs  # that move them; on the joints `moved`
+    servos: JointSprings  # that held them before, and hold those that carry them; on `moved`
+    carried: bool  # whether something else carries the weight
+    passed: frozenset[tuple[str, str]] = frozenset()  # pairs of links that go through each other
+
+    def in_time(self, travel: float, until: float, hand_over: float) -> Foreseen:
+        """How it goes.
+
+        Args:
+            travel: time in which the set point travels [s].
+            until: how long it is looked at [s].
+            hand_over: cross-fade from what held the joints before [s].
+        """
+        step = min(STEP, travel / FEWEST) if travel < MOST * STEP else travel / MOST
+        limb, body, dofs = _Limb(self, step), self.body, moved(self.body, self.dofs)
+        settled = max(travel, hand_over)
+        times, postures = [0.0], [self.start.copy()]
+        fastest, most = np.zeros((2, len(dofs)))
+        while times[-1] < until:
+            asked = limb.go_on(times[-1], travel, hand_over)
+            times.append(times[-1] + step)
+            postures.append(limb.qpos)
+            fastest, most = np.maximum(fastest, np.abs(limb.speed)), np.maximum(most, np.abs(asked))
+            if times[-1] > settled and np.abs(limb.speed).max() < AT_REST:
+                break
+        low, high = (limit[self.dofs] for limit in body.range)
+        last = limb.qpos[body.qpos_of_dof[self.dofs]]
+        return Foreseen(
+            travel, np.array(times), np.array(postures), fastest / body.speed_limit[dofs],
+            most / body.torque_limit[dofs], limb.leans,
+            self.dofs[(last <= low + 1e-6) | (last >= high - 1e-6)],
+        )  # fmt: skip
+
+    @cached_property
+    def passed_links(self) -> frozenset[tuple[int, int]]:
+        """The same as indices, each pair both ways."""
+        pairs = [(self.body.link(one), self.body.link(other)) for one, other in self.passed]
+        return frozenset(pairs) | {(other, one) for one, other in pairs}
+
+
+def moved(body: Body, dofs: IntArray) -> IntArray:
+    """Some joints, and after them those that carry them."""
+    links = body.model.dof_bodyid[dofs]
+    carry = np.flatnonzero(body.ancestors[links].any(axis=0))
+    others = carry[~np.isin(carry, dofs)]
+    return np.concatenate([dofs, others]).astype(np.int32)
+
+
+class _Limb:
+    """A limb on its way."""
+
+    def __init__(self, foresight: Foresight, step: float) -> None:
+        body, dofs = foresight.body, moved(foresight.body, foresight.dofs)
+        self._asked, self._step, self._dofs = foresight, step, dofs
+        self._claimed = np.isin(dofs, foresight.dofs).astype(float)
+        self._model, self._data = body.model, mujoco.MjData(body.model)
+        self._columns = body.qpos_of_dof[dofs]
+        self._own = np.ix_(dofs, dofs)
+        self._whole, self._bias = np.zeros((body.nv, body.nv)), np.zeros(body.nv)
+        damping = np.array(body.model.dof_damping, dtype=float).reshape(body.nv, -1)[:, 0]
+        self._passive = np.diag(damping[dofs])
+        self._limit = body.torque_limit[dofs]
+        self._range = tuple(limit[dofs] for limit in body.range)
+        self._velocity, self._before = np.zeros((2, len(dofs)))
+        self.qpos = foresight.start.copy()
+        self.speed = self._velocity  # in the middle of the last step (j,) [rad/s]
+        self.leans: tuple[tuple[str, str], ...] = ()
+
+    def go_on(self, time: float, travel: float, hand_over: float) -> FloatArray:
+        """Take one step, and say which torques (j,) the springs asked for [N m]."""
+        half, old = 0.5 * self._step, self._velocity
+        low, high = self._range
+        angles = self.qpos[self._columns]
+        self._pose(np.clip(angles + half * old, low, high))
+        mass, weight, bias = self._dynamics(1.5 * old - 0.5 * self._before)
+        pull = self._pull(time + half, travel, hand_over)
+        push, bars = self._lean(old)
+        borne = weight if self._asked.carried else np.zeros_like(weight)
+        # In the middle of the step the joints are (half) x (middle - old) from where they were
+        # looked at, and the springs and bars are taken as linear from there on.
+        torque = pull.torque + half * pull.stiffness @ old + borne
+        slack = pull.damping + half * pull.stiffness
+        square, right = mass / half + self._passive + bars, mass @ old / half - bias + push
+        middle = _solved(square + slack, right + torque)
+        asked = torque - slack @ middle
+        over = np.abs(asked) > self._limit
+        if over.any():  # there the motor's limit acts in the place of the springs
+            slack = np.where(over[:, None], 0.0, slack)
+            torque = np.where(over, np.sign(asked) * self._limit, torque)
+            middle = _solved(square + slack, right + torque)
+        middle, stopped = self._within(square + slack, right + torque, middle, low - angles,
+                                       high - angles)  # fmt: skip
+        self._before, self._velocity = old, np.where(stopped, 0.0, 2.0 * middle - old)
+        self.speed = middle
+        self.qpos = self.qpos.copy()
+        self.qpos[self._columns] = np.clip(angles + self._step * middle, low, high)
+        return asked
+
+    def _pose(self, angles: FloatArray) -> None:
+        data = self._data
+        data.qpos[:] = self.qpos
+        data.qpos[self._columns] = angles
+        mujoco.mj_kinematics(self._model, data)
+        mujoco.mj_comPos(self._model, data)
+
+    def _dynamics(self, velocity: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mass matrix (j, j), weight and bias torques (j,), here."""
+        model, data, dofs = self._model, self._data, self._dofs
+        mujoco.mj_crb(model, data)
+        mujoco.mj_fullM(model, data, self._whole)
+        found = []
+        for v in (0.0, velocity):
+            data.qvel[:] = 0.0
+            data.qvel[dofs] = v
+            mujoco.mj_comVel(model, data)
+            mujoco.mj_rne(model, data, 0, self._bias)
+            found.append(self._bias[dofs])
+        return self._whole[self._own], found[0], found[1]
+
+    def _pull(self, time: float, travel: float, hand_over: float) -> Pull:
+        pull = self._asked.springs.pull(self._data, time / travel, travel)
+        share = _rise(time / hand_over) if time < hand_over else 1.0
+        servos = self._asked.servos.pull(self._data, 1.0, travel)
+        return pull.faded(share * self._claimed, servos)
+
+    def _lean(self, velocity: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What pushes back: torques (j,) here, and how they fall with the velocity (j, j)."""
+        model, data, dofs = self._model, self._data, self._dofs
+        mujoco.mj_collision(model, data)
+        push, bars, half = np.zeros(len(dofs)), np.zeros((len(dofs), len(dofs))), 0.5 * self._step
+        leans = []
+        for k in range(data.ncon):
+            contact = data.contact[k]
+            one, other = (int(model.geom_bodyid[g]) for g in contact.geom)
+            if contact.dist >= 0.0 or (one, other) in self._asked.passed_links:
+                continue
+            jacobians = np.zeros((2, 3, model.nv))
+            for jacobian, link in zip(jacobians, (one, other), strict=True):
+                mujoco.mj_jac(model, data, jacobian, None, contact.pos, link)
+            apart = contact.frame.reshape(3, 3) @ (jacobians[1] - jacobians[0])[:, dofs]
+            if np.abs(apart[0]).max() < SAME:  # neither link moves, or both alike
+                continue
+            speed = apart @ velocity
+            push += apart[0] * FIRM * (half * speed[0] - contact.dist)
+            bars += (half * FIRM + DULL) * np.outer(apart[0], apart[0])
+            pressed = max(0.0, -FIRM * contact.dist - DULL * float(speed[0]))
+            slip = max(SLOW, float(np.hypot(speed[1], speed[2])))
+            bars += contact.friction[0] * pressed / slip * apart[1:].T @ apart[1:]
+            leans.append((model.body(one).name, model.body(other).name))
+        self.leans = tuple(dict.fromkeys(leans))
+        return push, bars
+
+    def _within(
+        self,
+        square: FloatArray,
+        right: FloatArray,
+        middle: FloatArray,
+        low: FloatArray,
+        high: FloatArray,
+    ) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """The velocity (j,) with which no joint passes an end, and which joints stop there."""
+        stopped = np.zeros(len(middle), dtype=bool)
+        for _ in range(ENDS):
+            gone = self._step * middle
+            past = ~stopped & ((gone < low - 1e-9) | (gone > high + 1e-9))
+            if not past.any():
+                break
+            stopped |= past
+            free, ends = ~stopped, np.clip(gone, low, high) / self._step
+            middle = np.where(stopped, ends, middle)
+            if free.any():
+                rest = right[free] - square[np.ix_(free, stopped)] @ middle[stopped]
+                middle[free] = _solved(square[np.ix_(free, free)], rest)
+        return middle, stopped
+
+
+def _solved(square: FloatArray, right: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.solve(square, right), dtype=np.float64)
+
+
+def _rise(s: float) -> float:
+    """The rise of an activation: Mataric et al. (1999), eq 5."""
+    return float(s - np.sin(2.0 * np.pi * s) / (2.0 * np.pi))
