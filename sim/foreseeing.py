@@ -10,13 +10,13 @@ taken.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.body import Body
+from sim.pushing_back import Stop, Stops, pushed_back
 from sim.springs import JointSprings, Pull, Springs
 
 FloatArray = NDArray[np.float64]
@@ -25,10 +25,6 @@ IntArray = NDArray[np.int32]
 STEP = 0.006  # [s]
 FEWEST, MOST = 30, 400  # steps while the set point travels
 AT_REST = 0.01  # [rad/s] once the set point rests
-FIRM, DULL = 3e4, 300.0  # of what is leant on [N/m, N s/m]
-SAME = 1e-9  # [m/rad]
-SLOW = 0.02  # [m/s] below which friction is a damper
-ENDS = 4  # times that joints which pass the ends of their ranges are looked for in a step
 
 
 @dataclass(frozen=True)
@@ -71,6 +67,7 @@ class Foresight:
     start: FloatArray  # posture (nq,) in which it begins, at rest
     springs: Springs  # that move them; on the joints `moved`
     servos: JointSprings  # that held them before, and hold those that carry them; on `moved`
+    settling: float  # time in which the servos' set points travel [s]
     carried: bool  # whether something else carries the weight
     passed: frozenset[tuple[str, str]] = frozenset()  # pairs of links that go through each other
 
@@ -96,17 +93,11 @@ class Foresight:
                 break
         low, high = (limit[self.dofs] for limit in body.range)
         last = limb.qpos[body.qpos_of_dof[self.dofs]]
+        leans = dict.fromkeys(stop.links for stop in limb.stops if stop.links is not None)
         return Foreseen(
             travel, np.array(times), np.array(postures), fastest / body.speed_limit[dofs],
-            most / body.torque_limit[dofs], limb.leans,
-            self.dofs[(last <= low + 1e-6) | (last >= high - 1e-6)],
+            most / body.torque_limit[dofs], tuple(leans), self.dofs[(last <= low) | (last >= high)],
         )  # fmt: skip
-
-    @cached_property
-    def passed_links(self) -> frozenset[tuple[int, int]]:
-        """The same as indices, each pair both ways."""
-        pairs = [(self.body.link(one), self.body.link(other)) for one, other in self.passed]
-        return frozenset(pairs) | {(other, one) for one, other in pairs}
 
 
 def moved(body: Body, dofs: IntArray) -> IntArray:
@@ -131,40 +122,39 @@ class _Limb:
         damping = np.array(body.model.dof_damping, dtype=float).reshape(body.nv, -1)[:, 0]
         self._passive = np.diag(damping[dofs])
         self._limit = body.torque_limit[dofs]
-        self._range = tuple(limit[dofs] for limit in body.range)
+        self._stops = Stops(body, dofs, foresight.passed)
         self._velocity, self._before = np.zeros((2, len(dofs)))
         self.qpos = foresight.start.copy()
         self.speed = self._velocity  # in the middle of the last step (j,) [rad/s]
-        self.leans: tuple[tuple[str, str], ...] = ()
+        self.stops: list[Stop] = []  # what pushed back then
 
     def go_on(self, time: float, travel: float, hand_over: float) -> FloatArray:
         """Take one step, and say which torques (j,) the springs asked for [N m]."""
         half, old = 0.5 * self._step, self._velocity
-        low, high = self._range
         angles = self.qpos[self._columns]
-        self._pose(np.clip(angles + half * old, low, high))
+        self._pose(angles + half * old)
         mass, weight, bias = self._dynamics(1.5 * old - 0.5 * self._before)
-        pull = self._pull(time + half, travel, hand_over)
-        push, bars = self._lean(old)
+        pull, self.stops = self._pull(time + half, travel, hand_over), self._stops.found(self._data)
         borne = weight if self._asked.carried else np.zeros_like(weight)
         # In the middle of the step the joints are (half) x (middle - old) from where they were
-        # looked at, and the springs and bars are taken as linear from there on.
+        # looked at, and the springs are taken as linear from there on.
         torque = pull.torque + half * pull.stiffness @ old + borne
         slack = pull.damping + half * pull.stiffness
-        square, right = mass / half + self._passive + bars, mass @ old / half - bias + push
-        middle = _solved(square + slack, right + torque)
+        square, right = mass / half + self._passive, mass @ old / half - bias
+
+        def solved(slack: FloatArray, torque: FloatArray) -> FloatArray:
+            free = np.asarray(np.linalg.solve(square + slack, right + torque), dtype=np.float64)
+            return pushed_back(self.stops, square + slack, free, old, half)
+
+        middle = solved(slack, torque)
         asked = torque - slack @ middle
         over = np.abs(asked) > self._limit
         if over.any():  # there the motor's limit acts in the place of the springs
-            slack = np.where(over[:, None], 0.0, slack)
-            torque = np.where(over, np.sign(asked) * self._limit, torque)
-            middle = _solved(square + slack, right + torque)
-        middle, stopped = self._within(square + slack, right + torque, middle, low - angles,
-                                       high - angles)  # fmt: skip
-        self._before, self._velocity = old, np.where(stopped, 0.0, 2.0 * middle - old)
-        self.speed = middle
+            made = np.where(over, np.sign(asked) * self._limit, torque)
+            middle = solved(np.where(over[:, None], 0.0, slack), made)
+        self._before, self._velocity, self.speed = old, 2.0 * middle - old, middle
         self.qpos = self.qpos.copy()
-        self.qpos[self._columns] = np.clip(angles + self._step * middle, low, high)
+        self.qpos[self._columns] = angles + self._step * middle
         return asked
 
     def _pose(self, angles: FloatArray) -> None:
@@ -191,62 +181,9 @@ class _Limb:
     def _pull(self, time: float, travel: float, hand_over: float) -> Pull:
         pull = self._asked.springs.pull(self._data, time / travel, travel)
         share = _rise(time / hand_over) if time < hand_over else 1.0
-        servos = self._asked.servos.pull(self._data, 1.0, travel)
+        settling = self._asked.settling
+        servos = self._asked.servos.pull(self._data, time / settling, settling)
         return pull.faded(share * self._claimed, servos)
-
-    def _lean(self, velocity: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """What pushes back: torques (j,) here, and how they fall with the velocity (j, j)."""
-        model, data, dofs = self._model, self._data, self._dofs
-        mujoco.mj_collision(model, data)
-        push, bars, half = np.zeros(len(dofs)), np.zeros((len(dofs), len(dofs))), 0.5 * self._step
-        leans = []
-        for k in range(data.ncon):
-            contact = data.contact[k]
-            one, other = (int(model.geom_bodyid[g]) for g in contact.geom)
-            if contact.dist >= 0.0 or (one, other) in self._asked.passed_links:
-                continue
-            jacobians = np.zeros((2, 3, model.nv))
-            for jacobian, link in zip(jacobians, (one, other), strict=True):
-                mujoco.mj_jac(model, data, jacobian, None, contact.pos, link)
-            apart = contact.frame.reshape(3, 3) @ (jacobians[1] - jacobians[0])[:, dofs]
-            if np.abs(apart[0]).max() < SAME:  # neither link moves, or both alike
-                continue
-            speed = apart @ velocity
-            push += apart[0] * FIRM * (half * speed[0] - contact.dist)
-            bars += (half * FIRM + DULL) * np.outer(apart[0], apart[0])
-            pressed = max(0.0, -FIRM * contact.dist - DULL * float(speed[0]))
-            slip = max(SLOW, float(np.hypot(speed[1], speed[2])))
-            bars += contact.friction[0] * pressed / slip * apart[1:].T @ apart[1:]
-            leans.append((model.body(one).name, model.body(other).name))
-        self.leans = tuple(dict.fromkeys(leans))
-        return push, bars
-
-    def _within(
-        self,
-        square: FloatArray,
-        right: FloatArray,
-        middle: FloatArray,
-        low: FloatArray,
-        high: FloatArray,
-    ) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """The velocity (j,) with which no joint passes an end, and which joints stop there."""
-        stopped = np.zeros(len(middle), dtype=bool)
-        for _ in range(ENDS):
-            gone = self._step * middle
-            past = ~stopped & ((gone < low - 1e-9) | (gone > high + 1e-9))
-            if not past.any():
-                break
-            stopped |= past
-            free, ends = ~stopped, np.clip(gone, low, high) / self._step
-            middle = np.where(stopped, ends, middle)
-            if free.any():
-                rest = right[free] - square[np.ix_(free, stopped)] @ middle[stopped]
-                middle[free] = _solved(square[np.ix_(free, free)], rest)
-        return middle, stopped
-
-
-def _solved(square: FloatArray, right: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.solve(square, right), dtype=np.float64)
 
 
 def _rise(s: float) -> float:

@@ -16,6 +16,7 @@ from specs.tolerances import PENETRATION
 
 Via = dict[str, Any] | None  # as a task file writes it
 
+BRUSH = 0.002  # [m] of depth that is not told
 LOOKS = 60  # postures of a movement that are looked at, at most
 ROOM, APART = 0.015, 0.15  # [m] left by a way round, but for so much of its time at either end
 PRESSED = 0.015  # [m] that a hand and what it touches may go into each other in the end
@@ -76,7 +77,7 @@ def clash(move: Move) -> Clash | None:
         pairs, clearances(move.body, through.qpos[looked], pairs).T, strict=True
     ):
         meant = set(pair) == move.touching
-        allowed = PRESSED if meant else PENETRATION
+        allowed = PRESSED if meant else BRUSH
         begins = max(0.0, -float(distance[0]))
         ends = max(0.0, -float(distance[-1])) if meant else 0.0
         k = int(np.argmin(distance))
@@ -104,8 +105,10 @@ def ends_free(move: Move) -> bool:
     return bool((-distances <= allowed).all())
 
 
-def _is_roomy(move: Move) -> bool:
-    """Whether a movement keeps its distance, but for where it begins and ends."""
+def _leads_there(move: Move) -> bool:
+    """Whether a movement comes to its goal with ease, and keeps its distance but near its ends."""
+    if not move.works(move.foreseen, move.duration) or move.foreseen.torque.max() > 1.0:
+        return False
     if touches(move, move.foreseen):
         return False
     share = move.foreseen.time / move.foreseen.travel
@@ -151,7 +154,7 @@ def _round(task: BoundTask, move: Move, hit: Clash, search: bool) -> tuple[str, 
     )
     for said, changed in tries if search else ():
         other = led_by(task, changed, move)
-        if other is not None and _is_roomy(other):
+        if other is not None and _leads_there(other):
             via = changed.via[0].model_dump(exclude_defaults=True)
             return f"go round it: via: [{said}]", via
     return "go round it by way of via points; one alone was not found", None

@@ -37,6 +37,16 @@ PALM_WAITS = 0.3  # share of a movement for which the palm keeps its place on th
 
 
 @dataclass(frozen=True)
+class Scene:
+    """What is there when a movement begins."""
+
+    body: Body
+    posture: FloatArray  # (nq,) [rad]; NaN where nobody can tell
+    settling: FloatArray  # set points of what holds the joints (NODES, nv); NaN: where they are
+    carried: bool  # whether something carries the weight
+
+
+@dataclass(frozen=True)
 class Move:
     """A movement as it is planned."""
 
@@ -48,6 +58,7 @@ class Move:
     hand_over: float  # [s]
     touched: int  # the link that its hand is to touch; -1 for none
     curve: FloatArray | None  # set point of its joints (NODES, j) [rad], if it has one
+    scene: Scene  # in which it begins
     foresight: Foresight  # how it goes in any time
     foreseen: Foreseen  # how it goes in the time that it has
     timed: bool  # whether that is foreseen for its controller, or only which way it goes
@@ -81,6 +92,10 @@ class Move:
         apart = [pair for pair in self.body.map.keep_apart if set(pair) != self.touching]
         return self._foreseen(replace(self.foresight, passed=frozenset(apart)), self.duration)
 
+    def works(self, foreseen: Foreseen, duration: float) -> bool:
+        """Whether it comes to its goal if it goes so in a time [s], no joint being too fast."""
+        return self.missed(foreseen, duration) <= 1.0 and float(foreseen.speed.max()) <= 1.0
+
     def _foreseen(self, foresight: Foresight, duration: float) -> Foreseen:
         fade = min(self.hand_over, duration)
         return foresight.in_time(self.does.travel * duration, duration + self.hold, fade)
@@ -104,6 +119,7 @@ def planned_moves(task: BoundTask) -> list[Move]:
     ]
     planned = sorted(range(len(graph.order)), key=lambda k: graph.planned[graph.order[k]][0])
     next_claim = _next_claims(task)
+    settling = _settling(task)
     known: dict[object, Move | None] = {}
     for k in planned:
         name, field = graph.order[k], task.fields[k]
@@ -115,9 +131,11 @@ def planned_moves(task: BoundTask) -> list[Move]:
         hold = max(0.0, next_claim[k] - end)
         subtask = graph.subtasks[name]
         here = graph.lasts(name), graph.fade(name), round(hold, 6)
-        key = repr(subtask.does), *here, posture.round(6).tobytes()
+        key = repr(subtask.does), *here, posture.round(6).tobytes(), start == 0.0
         if key not in known:
-            known[key] = _move(body, name, subtask.does, field, posture, *here, carried)
+            held = settling if start == 0.0 else np.full_like(settling, np.nan)
+            scene = Scene(body, posture.copy(), held, carried)
+            known[key] = _move(scene, name, subtask.does, field, *here)
         move = known[key]
         if move is not None:
             moves.append(replace(move, name=name))
@@ -125,6 +143,18 @@ def planned_moves(task: BoundTask) -> list[Move]:
         if left is not None:
             over.append((end, field.claims, left))
     return moves
+
+
+def _settling(task: BoundTask) -> FloatArray:
+    """Where the background wants the joints as it settles (NODES, nv) [rad]; NaN where nowhere."""
+    body, wanted = task.body, np.full((NODES, task.body.nv), np.nan)
+    times = np.linspace(0.0, BACKGROUND_SETTLING, NODES)
+    for field in task.background:
+        if isinstance(field, PostureField):
+            dofs = field.claims
+            here = task.start[body.qpos_of_dof[dofs]]
+            wanted[:, dofs] = field.set_point(times, here, dofs.tolist())
+    return wanted
 
 
 def _next_claims(task: BoundTask) -> list[float]:
@@ -159,16 +189,15 @@ def _leaves(
 
 
 def _move(
-    body: Body,
+    scene: Scene,
     name: str,
     does: object,
     field: Field,
-    posture: FloatArray,
     duration: float,
     hand_over: float,
     hold: float,
-    carried: bool,
 ) -> Move | None:
+    body, posture = scene.body, scene.posture
     if not isinstance(does, GetPosture | GoToPoint):
         return None
     if np.isnan(posture[body.qpos_of_dof[field.claims]]).any():
@@ -176,19 +205,27 @@ def _move(
     if does.controller == "torque-field" and does.via:
         return None  # it has pulses instead of a set point that runs through via postures
     start = np.where(np.isnan(posture), body.home, posture)
+    every = moved(body, field.claims)
+    wanted = np.where(
+        np.isnan(scene.settling[:, every]), start[body.qpos_of_dof[every]], scene.settling[:, every]
+    )
     travel, curve, touched = does.travel * duration, None, -1
     springs: Springs
     if isinstance(field, PostureField):
-        curve = _joint_set_point(body, field, start, travel)
-        springs = _servos(body, field.claims, start, curve, does.stiffness, does.damping)
+        times, dofs = np.linspace(0.0, travel, NODES), field.claims
+        curve = field.set_point(times, start[body.qpos_of_dof[dofs]], dofs.tolist())
+        beside = np.hstack([curve, wanted[:, len(dofs) :]])
+        springs = _servos(body, every, beside, does.stiffness, does.damping)
     elif isinstance(field, ReachField):
         if body.ancestors[field.places[-1].link, field.arm.dofs].any():
             return None  # a place on the arm itself
         springs, touched = _hand_springs(body, field, start, travel), field.hand_goal.touched
     else:
         return None
-    held = _servos(body, field.claims, start)
-    foresight = Foresight(body, field.claims, start, springs, held, carried)
+    foresight = Foresight(
+        body, field.claims, start, springs, _servos(body, every, wanted), BACKGROUND_SETTLING,
+        scene.carried,
+    )  # fmt: skip
     fade = min(hand_over, duration)
     return Move(
         name=name,
@@ -199,45 +236,22 @@ def _move(
         hand_over=hand_over,
         touched=touched,
         curve=curve,
+        scene=scene,
         foresight=foresight,
         foreseen=foresight.in_time(travel, duration + hold, fade),
         timed=does.controller in ("pd-servo", "impedance"),
     )
 
 
-def _joint_set_point(
-    body: Body, field: PostureField, start: FloatArray, travel: float
-) -> FloatArray:
-    """Where a servo wants its joints (NODES, j) [rad]."""
-    times, dofs = np.linspace(0.0, travel, NODES), field.claims
-    return field.set_point(times, start[body.qpos_of_dof[dofs]], dofs.tolist())
-
-
 def _servos(
     body: Body,
     dofs: IntArray,
-    start: FloatArray,
-    set_point: FloatArray | None = None,
+    set_point: FloatArray,
     stiffness: float | None = None,
     damping: float | None = None,
 ) -> JointSprings:
-    """Servos on some joints and those that carry them, which hold them where they are.
-
-    Args:
-        body: whose joints.
-        dofs: the joints (j,).
-        start: posture (nq,) that is held.
-        set_point: of the joints instead (NODES, j) [rad]; then the others have no servo.
-        stiffness: of all [N m/rad]; default: the body's.
-        damping: likewise [N m s/rad].
-    """
-    every = moved(body, dofs)
-    gains = joint_gains(body, every, stiffness=stiffness, damping=damping)
-    here = start[body.qpos_of_dof[every]]
-    wanted = np.tile(here, (NODES, 1))
-    if set_point is not None:
-        wanted[:, : len(dofs)] = set_point
-    return JointSprings(body, every, wanted, gains.stiffness[every], gains.damping[every])
+    gains = joint_gains(body, dofs, stiffness=stiffness, damping=damping)
+    return JointSprings(body, dofs, set_point, gains.stiffness[dofs], gains.damping[dofs])
 
 
 def _hand_springs(body: Body, field: ReachField, start: FloatArray, travel: float) -> HandSprings:
@@ -272,9 +286,15 @@ def _hand_springs(body: Body, field: ReachField, start: FloatArray, travel: floa
     return HandSprings(body, arm, moved(body, arm.dofs), start, path)
 
 
+def from_posture(body: Body, does: GoToPoint, posture: FloatArray, duration: float) -> Move | None:
+    """How a reach would go that begins in a posture (nq,), all else being held there."""
+    still = np.full((NODES, body.nv), np.nan)
+    field = does.bind(body, duration)
+    return _move(Scene(body, posture, still, True), "", does, field, duration, 0.0, duration)
+
+
 def led_by(task: BoundTask, does: GetPosture | GoToPoint, move: Move) -> Move | None:
     """The same movement if another primitive did it."""
     field = does.bind(task.body, move.duration)
     here = move.duration, move.hand_over, move.hold
-    carried = move.foresight.carried
-    return _move(task.body, move.name, does, field, move.foresight.start, *here, carried)
+    return _move(move.scene, move.name, does, field, *here)

@@ -9,7 +9,7 @@ import numpy as np
 
 from primitives import GetPosture
 from primitives.primitive import FloatArray
-from sim import Foreseen, moved
+from sim import moved
 from specs.binding import BoundTask
 from specs.lint.collisions import touches
 from specs.lint.course import Move
@@ -25,7 +25,7 @@ def too_fast(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Fin
     found = []
     known: dict[int, float] = {}
     for move in moves:
-        if not move.timed or works(move, move.foreseen, move.duration):
+        if not move.timed or move.works(move.foreseen, move.duration):
             continue
         key = id(move.foresight)
         if key not in known:
@@ -51,11 +51,6 @@ def too_fast(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Fin
     return found
 
 
-def works(move: Move, foreseen: Foreseen, duration: float) -> bool:
-    """Whether a movement that goes so in a time [s] comes to its goal, no joint being too fast."""
-    return move.missed(foreseen, duration) <= 1.0 and float(foreseen.speed.max()) <= 1.0
-
-
 def shortest_time(move: Move) -> float:
     """The shortest time that works [s], above one that does not; infinite if none does.
 
@@ -65,7 +60,7 @@ def shortest_time(move: Move) -> float:
     while time < max(LONGEST, 2.0 * move.duration):
         fails, time = time, 2.0 * time
         foreseen = move.in_time(time)
-        if works(move, foreseen, time):
+        if move.works(foreseen, time):
             if not touches(move, foreseen):
                 return _narrowed(move, fails, time, free=True)
             bumps = min(bumps, time)
@@ -77,7 +72,7 @@ def _narrowed(move: Move, fails: float, good: float, *, free: bool) -> float:
     for _ in range(HALVINGS):
         middle = float(np.sqrt(fails * good))
         foreseen = move.in_time(middle)
-        fit = works(move, foreseen, middle) and not (free and touches(move, foreseen))
+        fit = move.works(foreseen, middle) and not (free and touches(move, foreseen))
         fails, good = (fails, middle) if fit else (middle, good)
     return float(np.ceil(100.0 * SPARE * good) / 100.0)
 
