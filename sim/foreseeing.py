@@ -24,7 +24,7 @@ IntArray = NDArray[np.int32]
 
 STEP = 0.006  # [s]
 FEWEST, MOST = 30, 400  # steps while the set point travels
-AT_REST = 0.01  # [rad/s] once the set point rests
+AT_REST = 0.03  # [rad/s] once the set point rests
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from sim import Body, Foreseen, axes_of, clearances, origin, places_of
 from specs.binding import BoundTask
 from specs.lint.course import Move, led_by
 from specs.lint.finding import Finding, Places, cm, point
-from specs.tolerances import PENETRATION
 
 Via = dict[str, Any] | None  # as a task file writes it
 
@@ -95,14 +94,6 @@ def touches(move: Move, foreseen: Foreseen) -> bool:
     if not pairs:
         return False
     return bool(clearances(move.body, foreseen.qpos[_looked(foreseen)], pairs).min() < 0.0)
-
-
-def ends_free(move: Move) -> bool:
-    """Whether nothing is inside something else where a movement ends."""
-    pairs = _pairs(move)
-    distances = clearances(move.body, move.foreseen.qpos[-1:], pairs)[0]
-    allowed = [PRESSED if set(pair) == move.touching else PENETRATION for pair in pairs]
-    return bool((-distances <= allowed).all())
 
 
 def _leads_there(move: Move) -> bool:

@@ -89,8 +89,9 @@ class Move:
 
     def through(self) -> Foreseen:
         """How it would go through whatever it must not touch, so that its depth can be told."""
-        apart = [pair for pair in self.body.map.keep_apart if set(pair) != self.touching]
-        return self._foreseen(replace(self.foresight, passed=frozenset(apart)), self.duration)
+        apart = {pair for pair in self.body.map.keep_apart if set(pair) != self.touching}
+        through = replace(self.foresight, passed=self.foresight.passed | apart)
+        return self._foreseen(through, self.duration)
 
     def works(self, foreseen: Foreseen, duration: float) -> bool:
         """Whether it comes to its goal if it goes so in a time [s], no joint being too fast."""
@@ -224,7 +225,7 @@ def _move(
         return None
     foresight = Foresight(
         body, field.claims, start, springs, _servos(body, every, wanted), BACKGROUND_SETTLING,
-        scene.carried,
+        scene.carried, _giving(body, field.claims),
     )  # fmt: skip
     fade = min(hand_over, duration)
     return Move(
@@ -241,6 +242,16 @@ def _move(
         foreseen=foresight.in_time(travel, duration + hold, fade),
         timed=does.controller in ("pd-servo", "impedance"),
     )
+
+
+def _giving(body: Body, dofs: IntArray) -> frozenset[tuple[str, str]]:
+    """Pairs of links that a movement does not lean on: other limbs, which give way."""
+    limbs = [(limb.upper_arm, limb.forearm, limb.hand) for limb in body.map.limbs.values()]
+    others = {
+        link for links in limbs for link in links if not body.ancestors[body.link(link), dofs].any()
+    }
+    own = {body.model.body(link).name for link in range(1, body.model.nbody)} - others
+    return frozenset((one, other) for one in own for other in others)
 
 
 def _servos(

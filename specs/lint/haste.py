@@ -16,7 +16,7 @@ from specs.lint.course import Move
 from specs.lint.finding import Finding, Places, Severity, cm
 
 SPARE = 1.05  # of the shortest time that is foreseen
-LONGEST = 16.0  # that is tried, or twice the given one [s]
+AMPLE = 4.0  # for anything that can be done at all, or four times the given one [s]
 HALVINGS = 6
 
 
@@ -56,15 +56,18 @@ def shortest_time(move: Move) -> float:
 
     If some time works in which nothing is run into, it is one of those.
     """
+    longest = max(AMPLE, 4.0 * move.duration)
+    if not move.works(move.in_time(longest), longest):
+        return np.inf
     time, bumps = move.duration, np.inf
-    while time < max(LONGEST, 2.0 * move.duration):
-        fails, time = time, 2.0 * time
+    while time < longest:
+        fails, time = time, min(2.0 * time, longest)
         foreseen = move.in_time(time)
         if move.works(foreseen, time):
             if not touches(move, foreseen):
                 return _narrowed(move, fails, time, free=True)
             bumps = min(bumps, time)
-    return bumps if np.isinf(bumps) else _narrowed(move, 0.5 * bumps, bumps, free=False)
+    return _narrowed(move, 0.5 * bumps, bumps, free=False)
 
 
 def _narrowed(move: Move, fails: float, good: float, *, free: bool) -> float:

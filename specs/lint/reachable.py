@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from primitives import GoToPoint
+from primitives import GoToPoint, Place
 from primitives.posture_field import PostureField
 from primitives.primitive import FloatArray
 from sim import (
@@ -14,31 +14,32 @@ from sim import (
     PalmGoal,
     Spot,
     World,
+    axes_of,
     depth_inside,
     moving_dofs,
+    origin,
     places_of,
     reach,
 )
 from specs.binding import BoundTask
-from specs.lint.collisions import ends_free
-from specs.lint.course import Move
+from specs.lint.course import Move, from_posture
 from specs.lint.finding import Finding, Places, cm, point
 from specs.tolerances import TOUCH_BEFORE_NEXT as MISS
 
 ANGLE = 1e-3  # [rad] as good as at home
-ARRIVED = 0.005  # [m] from the goal
 SAMPLES, ROUNDS = 256, 12  # postures that are tried at once, and how often the search narrows
 
 ORIGIN: FloatArray = np.zeros(3)
 Best = tuple[float, FloatArray | None]  # miss [m], and the nearest place (3,), if it is known
+AT_EASE = 1.0  # [s] in which a palm that is held at its goal comes to rest
 
 
 def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
     """Goals of go-to-point that lie inside the body, or where the arm cannot go.
 
-    A way that was found and ends at the goal, beside the body, needs no further search.
+    A movement that is foreseen to come to the goal needs no further search.
     """
-    arrive = {m.name for m in moves if m.short < ARRIVED and ends_free(m)}
+    arrive = {move.name for move in moves if move.short <= MISS}
     body, found = task.body, []
     away = moved_from_home(task)
     known: dict[object, tuple[float, str, Best]] = {}
@@ -91,14 +92,64 @@ def best(task: BoundTask, does: GoToPoint, away: set[int], pressed: str) -> Best
     if between & away:
         return 0.0, None
     touched = body.link(pressed) if pressed else -1
-    return nearest(body, arm, goal, does.to if isinstance(does.to, str) else None, touched)
+    least, where = np.inf, None
+    for normal in _facings(body, does, goal):
+        miss, there, posture = nearest(body, arm, goal, normal, touched)
+        if miss <= MISS and not body.is_free(posture):
+            miss, there = held_there(body, does, normal, posture)
+        if miss < least:
+            least, where = miss, there
+        if least <= MISS:
+            break
+    return least, where
 
 
-def nearest(body: Body, arm: Arm, goal: Spot, faced: str | None, touched: int = -1) -> Best:
-    """The same with all other joints at home; a landmark is faced if possible."""
-    normals: list[FloatArray | None] = [None]
-    if faced is not None:
-        normals = [body.from_link(goal.link, -body.landmark(faced).normal), None]
+def _facings(body: Body, does: GoToPoint, goal: Spot) -> list[FloatArray | None]:
+    """Ways in which a palm may face (3,): onto the landmark that is named, or any."""
+    mark = does.to if isinstance(does.to, str) else does.to.near
+    if mark is None:
+        return [None]
+    return [body.from_link(goal.link, -body.landmark(mark).normal), None]
+
+
+def held_there(
+    body: Body, does: GoToPoint, normal: FloatArray | None, posture: FloatArray
+) -> tuple[float, FloatArray]:
+    """By how much a palm misses that springs hold at its goal, and where it is from the trunk (3,).
+
+    Inverse kinematics keeps apart what must not touch, and lets an upper arm into the ribs.
+
+    Args:
+        body: whose palm.
+        does: what it is to do.
+        normal: where it faces (3,); None leaves that open.
+        posture: (nq,) in which it would be at its goal.
+    """
+    to = Place(near=does.to) if isinstance(does.to, str) else does.to
+    facing = None if normal is None else (float(normal[0]), float(normal[1]), float(normal[2]))
+    held = GoToPoint(limb=does.limb, to=to, palm=facing)
+    move, arm = from_posture(body, held, posture, AT_EASE), body.arm(does.limb)
+    if move is None:
+        return 0.0, ORIGIN
+    rest = move.foreseen.qpos[-1]
+    palm, trunk = places_of(body, rest, [arm.palm, origin(arm.root)])
+    return move.short, axes_of(body, rest, arm.root).T @ (palm - trunk)
+
+
+def nearest(
+    body: Body, arm: Arm, goal: Spot, normal: FloatArray | None, touched: int = -1
+) -> tuple[float, FloatArray, FloatArray]:
+    """By how much a palm misses, where it is from the trunk (3,), and the posture (nq,).
+
+    All other joints are at home.
+
+    Args:
+        body: whose palm.
+        arm: its arm.
+        goal: where it is to be.
+        normal: where it faces (3,); None leaves that open.
+        touched: the link that it may touch.
+    """
     place, shoulder = body.at_home(goal.link, goal.point), body.at_home(arm.upper_arm, ORIGIN)
     far, long = float(np.linalg.norm(place - shoulder)), body.reach(arm)
     if far > long:  # no farther out than the arm is long, in the same direction
@@ -106,18 +157,12 @@ def nearest(body: Body, arm: Arm, goal: Spot, faced: str | None, touched: int = 
         goal = Spot(
             arm.root, body.to_link(arm.root, within - body.at_home(arm.root, ORIGIN)), ORIGIN
         )
-    least, where = np.inf, None
-    for normal in normals:
-        postures, _ = reach(body, arm, [PalmGoal(goal, normal=normal, touched=touched)])
-        qpos = body.home.copy()
-        qpos[body.qpos_of_dof[arm.dofs]] = postures[0, arm.dofs]
-        palm = places_of(body, qpos, [arm.palm])[0]
-        miss = float(np.linalg.norm(palm - place))
-        if miss < least:
-            least, where = miss, palm - body.at_home(arm.root, ORIGIN)
-        if least <= MISS:
-            break
-    return least, where
+    postures, _ = reach(body, arm, [PalmGoal(goal, normal=normal, touched=touched)])
+    qpos = body.home.copy()
+    qpos[body.qpos_of_dof[arm.dofs]] = postures[0, arm.dofs]
+    palm = places_of(body, qpos, [arm.palm])[0]
+    miss = float(np.linalg.norm(palm - place))
+    return miss, palm - body.at_home(arm.root, ORIGIN), qpos
 
 
 def moved_from_home(task: BoundTask) -> set[int]:
