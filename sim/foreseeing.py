@@ -44,10 +44,10 @@ class Foreseen:
     def between(self, first: float, last: float) -> FloatArray:
         """The postures (h, nq) from one time to another [s], both with it."""
         inner = (self.time > first) & (self.time < last)
-        ends = [self._at(time) for time in (first, last)]
-        return np.vstack([ends[0], self.qpos[inner], ends[1]])
+        return np.vstack([self.at(first), self.qpos[inner], self.at(last)])
 
-    def _at(self, time: float) -> FloatArray:
+    def at(self, time: float) -> FloatArray:
+        """The posture (nq,) at a time [s]; the last one, once it is over."""
         k = int(np.searchsorted(self.time, time, side="right"))
         if k >= len(self.time):
             last: FloatArray = self.qpos[-1]

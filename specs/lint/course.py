@@ -53,6 +53,7 @@ class Move:
     name: str
     does: GetPosture | GoToPoint
     dofs: IntArray  # that it moves (j,)
+    begins: float  # by the plan [s]
     duration: float  # [s]
     hold: float  # time for which the goal is then held [s]
     hand_over: float  # [s]
@@ -139,7 +140,7 @@ def planned_moves(task: BoundTask) -> list[Move]:
             known[key] = _move(scene, name, subtask.does, field, *here)
         move = known[key]
         if move is not None:
-            moves.append(replace(move, name=name))
+            moves.append(replace(move, name=name, begins=start))
         left = _leaves(body, subtask.does, field, posture, move)
         if left is not None:
             over.append((end, field.claims, left))
@@ -232,6 +233,7 @@ def _move(
         name=name,
         does=does,
         dofs=field.claims,
+        begins=0.0,
         duration=duration,
         hold=hold,
         hand_over=hand_over,
@@ -308,4 +310,5 @@ def led_by(task: BoundTask, does: GetPosture | GoToPoint, move: Move) -> Move | 
     """The same movement if another primitive did it."""
     field = does.bind(task.body, move.duration)
     here = move.duration, move.hand_over, move.hold
-    return _move(move.scene, move.name, does, field, *here)
+    made = _move(move.scene, move.name, does, field, *here)
+    return None if made is None else replace(made, begins=move.begins)

@@ -11,25 +11,28 @@ from primitives import GetPosture
 from primitives.primitive import FloatArray
 from sim import moved
 from specs.binding import BoundTask
-from specs.lint.collisions import touches
 from specs.lint.course import Move
 from specs.lint.finding import Finding, Places, Severity, cm
+from specs.lint.together import Together
+from specs.lint.touching import touches
 
 SPARE = 1.05  # of the shortest time that is foreseen
 AMPLE = 4.0  # for anything that can be done at all, or four times the given one [s]
 HALVINGS = 6
 
 
-def too_fast(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
+def too_fast(
+    task: BoundTask, places: Places, moves: Sequence[Move], together: Together
+) -> list[Finding]:
     """Movements that miss their goal for lack of time, or that pass the joints' speeds."""
     found = []
-    known: dict[int, float] = {}
+    known: dict[object, float] = {}
     for move in moves:
         if not move.timed or move.works(move.foreseen, move.duration):
             continue
-        key = id(move.foresight)
+        key = together.key(move)
         if key not in known:
-            known[key] = shortest_time(move)
+            known[key] = shortest_time(move, together)
         shortest = known[key]
         miss = move.missed(move.foreseen, move.duration)
         if np.isinf(shortest):
@@ -51,7 +54,7 @@ def too_fast(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Fin
     return found
 
 
-def shortest_time(move: Move) -> float:
+def shortest_time(move: Move, together: Together) -> float:
     """The shortest time that works [s], above one that does not; infinite if none does.
 
     If some time works in which nothing is run into, it is one of those.
@@ -64,35 +67,41 @@ def shortest_time(move: Move) -> float:
         fails, time = time, min(2.0 * time, longest)
         foreseen = move.in_time(time)
         if move.works(foreseen, time):
-            if not touches(move, foreseen):
-                return _narrowed(move, fails, time, free=True)
+            if not touches(move, foreseen, together):
+                return _narrowed(move, fails, time, together)
             bumps = min(bumps, time)
-    return _narrowed(move, 0.5 * bumps, bumps, free=False)
+    return _narrowed(move, 0.5 * bumps, bumps)
 
 
-def _narrowed(move: Move, fails: float, good: float, *, free: bool) -> float:
-    """The shortest time between one that fails and one that is good [s], with some to spare."""
+def _narrowed(move: Move, fails: float, good: float, together: Together | None = None) -> float:
+    """The shortest time between one that fails and one that is good [s], with some to spare.
+
+    If the movements beside it are given, nothing may be run into.
+    """
     for _ in range(HALVINGS):
         middle = float(np.sqrt(fails * good))
         foreseen = move.in_time(middle)
-        fit = move.works(foreseen, middle) and not (free and touches(move, foreseen))
+        fit = move.works(foreseen, middle)
+        fit = fit and (together is None or not touches(move, foreseen, together))
         fails, good = (fails, middle) if fit else (middle, good)
     return float(np.ceil(100.0 * SPARE * good) / 100.0)
 
 
 def _stuck(places: Places, move: Move) -> Finding:
-    reasons = [f"{_said(move.body.dof_name(int(d)))} is at the end of its range" for d in
-               move.foreseen.at_end]  # fmt: skip
-    reasons += [f"the {_said(a)} leans on the {_said(b)}" for a, b in move.foreseen.leans]
+    body, seen = move.body, move.foreseen
+    why = [f"{_said(body.dof_name(int(dof)))} is at the end of its range" for dof in seen.at_end]
+    for pair in seen.leans:
+        one, other = sorted(pair, key=lambda link: -int(body.ancestors[body.link(link)].sum()))
+        why.append(f"the {_said(one)} leans on the {_said(other)}")
     if not move.foresight.carried:
-        reasons.append("nothing carries the weight of the limb")
+        why.append("nothing carries the weight of the limb")
     off = f"{cm(move.short)} short of its goal"
     if isinstance(move.does, GetPosture):
-        miss = move.missed(move.foreseen, move.duration)
+        miss = move.missed(seen, move.duration)
         off = f"{miss:.1f} times as far from its posture as is allowed"
     return places.finding(
         "warning", "stuck", move.name,
-        f"however long it takes, it comes to rest {off}: {'; '.join(reasons) or 'springs give'}",
+        f"however long it takes, it comes to rest {off}: {', '.join(why) or 'its springs give'}",
         "lead it round by via points, or by a direction of 'upper_arm'",
         short=move.short,
     )  # fmt: skip
