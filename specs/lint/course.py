@@ -69,12 +69,11 @@ class Move:
         """What moves."""
         return self.foresight.body
 
-    @property
-    def short(self) -> float:
-        """How far the palm is from its goal when the holding ends [m]; 0 for a posture."""
+    def short(self, foreseen: Foreseen) -> float:
+        """How far the palm is from its goal [m] if it comes to rest so; 0 for a posture."""
         if isinstance(self.does, GetPosture):
             return 0.0
-        return short_of(self.body, self.does, self.foreseen.qpos[-1])
+        return short_of(self.body, self.does, foreseen.qpos[-1])
 
     @property
     def touching(self) -> set[str]:

@@ -59,18 +59,20 @@ def shortest_time(move: Move, together: Together) -> float:
 
     If some time works in which nothing is run into, it is one of those.
     """
-    longest = max(AMPLE, 4.0 * move.duration)
-    if not move.works(move.in_time(longest), longest):
-        return np.inf
     time, bumps = move.duration, np.inf
-    while time < longest:
-        fails, time = time, min(2.0 * time, longest)
+    while time < _longest(move):
+        fails, time = time, min(2.0 * time, _longest(move))
         foreseen = move.in_time(time)
         if move.works(foreseen, time):
             if not touches(move, foreseen, together):
                 return _narrowed(move, fails, time, together)
             bumps = min(bumps, time)
-    return _narrowed(move, 0.5 * bumps, bumps)
+    return bumps if np.isinf(bumps) else _narrowed(move, 0.5 * bumps, bumps)
+
+
+def _longest(move: Move) -> float:
+    """The longest time that is tried [s]."""
+    return max(AMPLE, 4.0 * move.duration)
 
 
 def _narrowed(move: Move, fails: float, good: float, together: Together | None = None) -> float:
@@ -88,22 +90,24 @@ def _narrowed(move: Move, fails: float, good: float, together: Together | None =
 
 
 def _stuck(places: Places, move: Move) -> Finding:
-    body, seen = move.body, move.foreseen
+    body, time = move.body, _longest(move)
+    seen = move.in_time(time)
     why = [f"{_said(body.dof_name(int(dof)))} is at the end of its range" for dof in seen.at_end]
     for pair in seen.leans:
         one, other = sorted(pair, key=lambda link: -int(body.ancestors[body.link(link)].sum()))
         why.append(f"the {_said(one)} leans on the {_said(other)}")
     if not move.foresight.carried:
         why.append("nothing carries the weight of the limb")
-    off = f"{cm(move.short)} short of its goal"
+    short = move.short(seen)
+    off = f"{cm(short)} short of its goal"
     if isinstance(move.does, GetPosture):
-        miss = move.missed(seen, move.duration)
+        miss = move.missed(seen, time)
         off = f"{miss:.1f} times as far from its posture as is allowed"
     return places.finding(
         "warning", "stuck", move.name,
         f"however long it takes, it comes to rest {off}: {', '.join(why) or 'its springs give'}",
         "lead it round by via points, or by a direction of 'upper_arm'",
-        short=move.short,
+        short=short,
     )  # fmt: skip
 
 

@@ -39,7 +39,7 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
 
     A movement that is foreseen to come to the goal needs no further search.
     """
-    arrive = {move.name for move in moves if move.short <= MISS}
+    arrive = {move.name for move in moves if move.short(move.foreseen) <= MISS}
     body, found = task.body, []
     away = moved_from_home(task)
     known: dict[object, tuple[float, str, Best]] = {}
@@ -133,7 +133,7 @@ def held_there(
         return 0.0, ORIGIN
     rest = move.foreseen.qpos[-1]
     palm, trunk = places_of(body, rest, [arm.palm, origin(arm.root)])
-    return move.short, axes_of(body, rest, arm.root).T @ (palm - trunk)
+    return move.short(move.foreseen), axes_of(body, rest, arm.root).T @ (palm - trunk)
 
 
 def nearest(
