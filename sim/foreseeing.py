@@ -71,13 +71,20 @@ class Foresight:
     carried: bool  # whether something else carries the weight
     passed: frozenset[tuple[str, str]] = frozenset()  # pairs of links that go through each other
 
-    def in_time(self, travel: float, until: float, hand_over: float) -> Foreseen:
+    def in_time(
+        self,
+        travel: float,
+        until: float,
+        hand_over: float,
+        shy: frozenset[tuple[str, str]] = frozenset(),
+    ) -> Foreseen:
         """How it goes.
 
         Args:
             travel: time in which the set point travels [s].
             until: how long it is looked at [s].
             hand_over: cross-fade from what held the joints before [s].
+            shy: pairs of links that end it if they touch after the hand-over.
         """
         step = min(STEP, travel / FEWEST) if travel < MOST * STEP else travel / MOST
         limb, body, dofs = _Limb(self, step), self.body, moved(self.body, self.dofs)
@@ -90,6 +97,8 @@ class Foresight:
             postures.append(limb.qpos)
             fastest, most = np.maximum(fastest, np.abs(limb.speed)), np.maximum(most, np.abs(asked))
             if times[-1] > settled and np.abs(limb.speed).max() < AT_REST:
+                break
+            if shy and times[-1] > hand_over and any(stop.links in shy for stop in limb.stops):
                 break
         low, high = (limit[self.dofs] for limit in body.range)
         last = limb.qpos[body.qpos_of_dof[self.dofs]]

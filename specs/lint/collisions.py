@@ -26,18 +26,18 @@ def colliding_ways(
             if hit is not None:
                 searches += 1
                 aided = searches <= MOST_SEARCHES and not task.spec.rehearse
-                told = (hit, *way_round(task, move, hit.at, together, aided))
+                told = (hit, *way_round(move, hit.at, together, aided))
             known[key] = told
         told = known[key]
         if told is None:
             continue
         hit, advice, via = told
         one, other = (name.replace("_", " ") for name in hit.links)
-        where = "in the end" if hit.at >= 1.0 else f"at {100.0 * hit.at:.0f} % of its way"
+        when = "in the end" if hit.at >= 1.0 else f"at {100.0 * hit.at:.0f} % of its way"
         found.append(
             places.finding(
                 "warning", "collision", move.name,
-                f"{where} the {one} would be {cm(hit.depth)} inside the {other}", advice,
+                f"{when} the {one} runs into the {other}; it would go {cm(hit.depth)} deep", advice,
                 links=list(hit.links), depth=hit.depth, at=hit.at, via=via,
             )
         )  # fmt: skip

@@ -6,6 +6,7 @@ limb that hangs loose) is left out.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -83,15 +84,28 @@ class Move:
         limb, model = self.body.map.limbs[self.does.limb], self.body.model
         return {limb.hand, model.body(self.touched).name}
 
+    @cached_property
+    def apart(self) -> list[tuple[str, str]]:
+        """Pairs of links of which it moves one, and that must not touch on it."""
+        body, dofs = self.body, set(self.dofs.tolist())
+        moved_by = {
+            link: dofs & set(np.flatnonzero(body.ancestors[body.link(link)]).tolist())
+            for link in {link for pair in body.map.keep_apart for link in pair}
+        }
+        return [
+            pair
+            for pair in body.map.keep_apart
+            if moved_by[pair[0]] != moved_by[pair[1]] and set(pair) != self.touching
+        ]
+
     def in_time(self, duration: float) -> Foreseen:
         """How it goes in a time [s]."""
         return self._foreseen(self.foresight, duration)
 
     def through(self) -> Foreseen:
         """How it would go through whatever it must not touch, so that its depth can be told."""
-        apart = {pair for pair in self.body.map.keep_apart if set(pair) != self.touching}
-        through = replace(self.foresight, passed=self.foresight.passed | apart)
-        return self._foreseen(through, self.duration)
+        passed = self.foresight.passed | set(self.apart)
+        return self._foreseen(replace(self.foresight, passed=passed), self.duration)
 
     def works(self, foreseen: Foreseen, duration: float) -> bool:
         """Whether it comes to its goal if it goes so in a time [s], no joint being too fast."""
@@ -197,6 +211,7 @@ def _move(
     duration: float,
     hand_over: float,
     hold: float,
+    shy: frozenset[tuple[str, str]] = frozenset(),
 ) -> Move | None:
     body, posture = scene.body, scene.posture
     if not isinstance(does, GetPosture | GoToPoint):
@@ -240,7 +255,7 @@ def _move(
         curve=curve,
         scene=scene,
         foresight=foresight,
-        foreseen=foresight.in_time(travel, duration + hold, fade),
+        foreseen=foresight.in_time(travel, duration + hold, fade, shy),
         timed=does.controller in ("pd-servo", "impedance"),
     )
 
@@ -305,9 +320,10 @@ def from_posture(body: Body, does: GoToPoint, posture: FloatArray, duration: flo
     return _move(Scene(body, posture, still, True), "", does, field, duration, 0.0, duration)
 
 
-def led_by(task: BoundTask, does: GetPosture | GoToPoint, move: Move) -> Move | None:
-    """The same movement if another primitive did it."""
-    field = does.bind(task.body, move.duration)
+def led_by(does: GetPosture | GoToPoint, move: Move) -> Move | None:
+    """The same movement if another primitive did it; it ends where it runs into something."""
+    field = does.bind(move.body, move.duration)
     here = move.duration, move.hand_over, move.hold
-    made = _move(move.scene, move.name, does, field, *here)
+    shy = {both for one, other in move.apart for both in ((one, other), (other, one))}
+    made = _move(move.scene, move.name, does, field, *here, frozenset(shy))
     return None if made is None else replace(made, begins=move.begins)

@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 
 from primitives import GetPosture, GoToPoint, ViaPlace, ViaPosture
-from sim import axes_of, clearances, origin, places_of
-from specs.binding import BoundTask
+from sim import axes_of, origin, places_of
 from specs.lint.course import Move, led_by
 from specs.lint.finding import point
 from specs.lint.together import Together
-from specs.lint.touching import looked, pairs_of, touches
+from specs.lint.touching import distances, looked
 
 Via = dict[str, Any] | None  # as a task file writes it
 
@@ -24,13 +23,10 @@ OUTWARDS = (  # forward, to the arm's own side, up
 SWINGS = (25.0, 50.0, 75.0)  # [deg] of a via posture from the middle of the way
 
 
-def way_round(
-    task: BoundTask, move: Move, at: float, together: Together, search: bool
-) -> tuple[str, Via]:
+def way_round(move: Move, at: float, together: Together, search: bool) -> tuple[str, Via]:
     """What to do about a collision, and a via point that avoids it.
 
     Args:
-        task: whose movement it is.
         move: the movement.
         at: where it collides, as a share of the time in which its set point travels.
         together: it and the others.
@@ -43,7 +39,7 @@ def way_round(
         return "move its via points away from there", None
     tries = _via_places(move, does) if isinstance(does, GoToPoint) else _via_postures(move, does)
     for said, changed in tries if search else ():
-        other = led_by(task, changed, move)
+        other = led_by(changed, move)
         if other is not None and _leads_there(other, together):
             via = changed.via[0].model_dump(exclude_defaults=True)
             return f"go round it: via: [{said}]", via
@@ -53,15 +49,14 @@ def way_round(
 def _leads_there(move: Move, together: Together) -> bool:
     """Whether a movement comes to its goal with ease, and keeps its distance but near its ends."""
     seen = move.foreseen
+    if seen.time[-1] < seen.travel:  # it ran into something
+        return False
     if not move.works(seen, move.duration) or seen.torque.max() > 1.0:
         return False
-    if touches(move, seen, together):
-        return False
-    rows = looked(len(seen.time))
-    share = seen.time[rows] / seen.travel
-    inner = rows[(share > APART) & (share < 1.0 - APART)]
-    postures = together.postures(move, seen, inner)
-    return bool(clearances(move.body, postures, pairs_of(move)).min() > ROOM)
+    left = distances(move, seen, together)
+    share = seen.time[looked(len(seen.time))] / seen.travel
+    inner = left[(share > APART) & (share < 1.0 - APART)]
+    return bool(left.min() >= 0.0 and inner.min() > ROOM)
 
 
 def _via_places(move: Move, does: GoToPoint) -> Iterator[tuple[str, GoToPoint]]:
