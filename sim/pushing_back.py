@@ -1,14 +1,16 @@
 """What pushes back: the ends of joints, and what is leant on, as softly as in MuJoCo's model.
 
-A limit or contact of depth r that gives way at the speed u makes a force f >= 0 with which
+The forces f >= 0 along rows J of the joints' velocities are those with which
 
-    u' = (1 - d) u'_0 + d (k r - b u),    b = 2 / (d T),    k = 1 / (d T)^2 / z^2,
+    u' + R f = k d r - b u,    u = J v,    b = 2 / (d_max T),    k = 1 / (d_max T z)^2,
 
-u'_0 being the acceleration without it, and T, z, d the time constant, damping ratio and impedance
-that the model gives (MuJoCo, "Solver parameters"). A contact rubs with at most its friction.
+for a depth r that is left at the speed u: MuJoCo's soft constraints (Todorov 2014), T and z being
+the time constant and damping ratio that the model gives, d its impedance at this depth, and
+R = (1 - d) / d by the inertia that MuJoCo takes for the links. A contact that rubs has four rows,
+the edges of its pyramid.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -20,22 +22,20 @@ from sim.body import Body
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
-SWEEPS = 4  # over what pushes back, each time with what the others make
+SWEEPS = 12  # of Gauss-Seidel over the rows
 SAME = 1e-9  # [m/rad] links that move alike
 
 
 @dataclass(frozen=True)
 class Stop:
-    """One thing that pushes back, at one place."""
+    """One row of what pushes back."""
 
     links: tuple[str, str] | None  # that lean on each other; None for the end of a joint
-    depth: float  # [m or rad]
-    away: FloatArray  # (j,) how fast the joints lead out of it
-    aside: FloatArray  # (a, j) how fast they lead along it
-    friction: float
-    time: float  # constant T [s]
-    ratio: float  # of damping, z
-    impedance: float  # d
+    depth: float  # r [m or rad]
+    away: FloatArray  # J (j,): how fast the joints lead out of it
+    stiffness: float  # k d [1/s^2]
+    damping: float  # b [1/s]
+    give: float  # R [1/kg or 1/(kg m^2)]
 
 
 class Stops:
@@ -59,21 +59,20 @@ class Stops:
         """All of them in the present kinematics."""
         return [*self._ends(data), *self._contacts(data)]
 
-    def _ends(self, data: mujoco.MjData) -> list[Stop]:
-        model, found = self._body.model, []
-        low, high = self._range
+    def _ends(self, data: mujoco.MjData) -> Iterator[Stop]:
+        model, (low, high) = self._body.model, self._range
         angles = data.qpos[self._columns]
         for side, past in ((1.0, low - angles), (-1.0, angles - high)):
             for j in np.flatnonzero(past > 0.0):
-                joint = model.dof_jntid[self._dofs[j]]
-                away = np.zeros(len(angles))
+                dof = self._dofs[j]
+                joint, away = model.dof_jntid[dof], np.zeros(len(angles))
                 away[j] = side
                 softness = model.jnt_solref[joint], model.jnt_solimp[joint]
-                found.append(_stop(None, float(past[j]), away, away[:0], 0.0, *softness))
-        return found
+                inverse = float(model.dof_invweight0[dof])
+                yield _stop(None, float(past[j]), away, inverse, *softness)
 
-    def _contacts(self, data: mujoco.MjData) -> list[Stop]:
-        model, found = self._body.model, []
+    def _contacts(self, data: mujoco.MjData) -> Iterator[Stop]:
+        model = self._body.model
         mujoco.mj_collision(model, data)
         for k in range(data.ncon):
             contact = data.contact[k]
@@ -84,28 +83,41 @@ class Stops:
                 mujoco.mj_jac(model, data, jacobian, None, contact.pos, link)
             lead = (self._jacobians[1] - self._jacobians[0])[:, self._dofs]
             away, *aside = contact.frame.reshape(3, 3) @ lead
-            if np.abs(away).max() > SAME:
-                links = model.body(one).name, model.body(other).name
-                softness = contact.solref, contact.solimp
-                found.append(
-                    _stop(links, -float(contact.dist), away, np.array(aside),
-                          float(contact.friction[0]), *softness)
-                )  # fmt: skip
-        return found
+            if np.abs(away).max() < SAME:  # neither moves, or both alike
+                continue
+            links = model.body(one).name, model.body(other).name
+            softness = contact.solref, contact.solimp
+            inverse = float(model.body_invweight0[[one, other], 0].sum())
+            if contact.dim == 1:
+                yield _stop(links, -contact.dist, away, inverse, *softness)
+                continue
+            rub = float(contact.friction[0])
+            inverse *= 2.0 * rub**2 * (1.0 + rub**2)
+            for across in aside:
+                for edge in (away + rub * across, away - rub * across):
+                    yield _stop(links, -contact.dist, edge, inverse, *softness)
 
 
 def _stop(
     links: tuple[str, str] | None,
     depth: float,
     away: FloatArray,
-    aside: FloatArray,
-    friction: float,
+    inverse: float,
     solref: FloatArray,
     solimp: FloatArray,
 ) -> Stop:
-    time, ratio = (float(v) for v in solref)
-    return Stop(links, depth, away, aside.reshape(-1, len(away)), friction, time, ratio,
-                float(solimp[1]))  # fmt: skip
+    """A row; `inverse` is the inverse of the inertia that MuJoCo takes for it."""
+    (time, ratio), (least, most, width, middle, power) = solref.tolist(), solimp.tolist()
+    share = min(depth / width, 1.0)
+    if share <= middle:
+        rise = share**power / middle ** (power - 1.0)
+    else:
+        rise = 1.0 - (1.0 - share) ** power / (1.0 - middle) ** (power - 1.0)
+    impedance = least + rise * (most - least)
+    return Stop(
+        links, float(depth), away, impedance / (most * time * ratio) ** 2, 2.0 / (most * time),
+        (1.0 - impedance) / impedance * inverse,
+    )  # fmt: skip
 
 
 def pushed_back(
@@ -115,31 +127,25 @@ def pushed_back(
 
     Args:
         stops: what does.
-        square: S of the step without it, S v = ... (j, j).
-        free: that velocity without it (j,).
-        old: velocity where the step begins (j,), for which depths were foreseen in its middle.
+        square: what a force is divided by to get a velocity (j, j).
+        free: the velocity without what pushes back (j,).
+        old: velocity where the step begins (j,), with which depths were foreseen in its middle.
         half: of the step [s].
     """
     if not stops:
         return free
-    rows = np.vstack([np.vstack([stop.away, stop.aside]) for stop in stops])
+    rows = np.array([stop.away for stop in stops])
+    depth, stiffness, damping, give = np.array(
+        [(stop.depth, stop.stiffness, stop.damping, stop.give) for stop in stops]
+    ).T
     response = np.linalg.solve(square, rows.T)
-    gain = rows @ response  # (r, r) velocity by force
-    force, speed, before = np.zeros(len(rows)), rows @ free, rows @ old
+    # u' = (u - u_old) / half, and the depth is left by half (u - u_old).
+    firm = 1.0 / half + damping + stiffness * half
+    gain = firm[:, None] * (rows @ response) + np.diag(give)
+    before = rows @ old
+    wanted = stiffness * (depth + half * before) + before / half - firm * (rows @ free)
+    force = np.zeros(len(rows))
     for _ in range(SWEEPS):
-        i = 0
-        for stop in stops:
-            damping = 2.0 / (stop.impedance * stop.time)
-            stiffness = 1.0 / (stop.impedance * stop.time * stop.ratio) ** 2
-            least, most, spring = 0.0, np.inf, stiffness
-            for row in range(i, i + 1 + len(stop.aside)):
-                without = speed[row] + gain[row] @ force - gain[row, row] * force[row]
-                gone = without - before[row]
-                wanted = spring * (stop.depth - half * gone) - damping * without - gone / half
-                firm = 1.0 / (stop.impedance * half) + damping + spring * half
-                force[row] = min(max(wanted / (firm * gain[row, row]), least), most)
-                if row == i:
-                    most = stop.friction * force[i]
-                    least, spring = -most, 0.0
-            i += 1 + len(stop.aside)
+        for i in range(len(rows)):
+            force[i] = max(0.0, force[i] + (wanted[i] - gain[i] @ force) / gain[i, i])
     return free + response @ force
