@@ -5,8 +5,8 @@
 with MuJoCo's mass matrix and bias torques, in steps by the linearly implicit midpoint rule, which
 stays stable where springs are stiff for the step. Joints stop at the ends of their ranges; what the
 limb leans on pushes back and rubs like a firm spring, if it is not to be passed through. Servos
-hold the joints that carry the limb; nothing else of the body moves. No step of the simulation is
-taken.
+hold trunk and head, which give way a little; other limbs are carried along. No step of the
+simulation is taken.
 """
 
 from dataclasses import dataclass
@@ -66,7 +66,7 @@ class Foresight:
     dofs: IntArray  # that it moves
     start: FloatArray  # posture (nq,) in which it begins, at rest
     springs: Springs  # that move them; on the joints `moved`
-    servos: JointSprings  # that held them before, and hold those that carry them; on `moved`
+    servos: JointSprings  # that held them before, and hold all others; on `moved`
     settling: float  # time in which the servos' set points travel [s]
     carried: bool  # whether something else carries the weight
     passed: frozenset[tuple[str, str]] = frozenset()  # pairs of links that go through each other
@@ -110,10 +110,10 @@ class Foresight:
 
 
 def moved(body: Body, dofs: IntArray) -> IntArray:
-    """Some joints, and after them those that carry them."""
-    links = body.model.dof_bodyid[dofs]
-    carry = np.flatnonzero(body.ancestors[links].any(axis=0))
-    others = carry[~np.isin(carry, dofs)]
+    """Some joints, and after them all others but those of limbs that stay where they are."""
+    limbs = [body.joints(limb) for limb in body.map.limbs]
+    still = [limb for limb in limbs if not np.isin(limb, dofs).any()]
+    others = np.setdiff1d(np.arange(body.nv), np.concatenate([dofs, *still]))
     return np.concatenate([dofs, others]).astype(np.int32)
 
 
