@@ -8,12 +8,14 @@ Each task is linted first and simulated then. What is true comes from the record
   seconds, by two controllers, and by way of a place outside where there is a surface;
 * a time is too short if the judge fails the sub-task, or a joint passes its speed limit;
 * a way collides if links touch that must not;
+* a way gets stuck if the judge fails it though a second and a half is time enough;
 * a range is passed if the joint runs into its end;
 * a sub-task can never begin if it does not from any of eight starts, though the hand is sent to
   where its condition would hold;
 * primitives fight if the joints settle elsewhere.
 
-The margins of the lint were chosen on seeds below 10 000; the table is of those from 10 000 on.
+The constants of the lint were chosen on seeds below 10 000, and those from 10 000 to 10 199 were
+looked at as well; the table is of those from 20 000 on.
 """
 
 import sys
@@ -54,7 +56,7 @@ from specs.tolerances import TOUCH_BEFORE_NEXT
 
 FloatArray = NDArray[np.float64]
 
-FIRST = 10_000  # seeds below this are for choosing margins
+FIRST = 20_000  # seeds below this are for choosing constants
 STARTS = 8
 AMPLE = 4.0  # [s]
 OUTSIDE = 0.20  # [m] from the surface, a via point
@@ -63,8 +65,8 @@ ENOUGH = 0.7  # of the shortest time does not work
 DRAWN, ROUNDS = 256, 8  # postures that are drawn at a time, and how often
 SETTLED = 0.5  # [deg] off where a joint was asked to be
 LOOK_EVERY = 3  # rows from one look at the distances to the next
-SHARES = {"out of reach": 0.25, "too fast": 0.25, "collision": 0.2, "joint limit": 0.14,
-          "never": 0.08, "fight": 0.08}  # of the tasks  # fmt: skip
+SHARES = {"out of reach": 0.23, "too fast": 0.25, "collision": 0.2, "stuck": 0.1,
+          "joint limit": 0.1, "never": 0.06, "fight": 0.06}  # of the tasks  # fmt: skip
 MARKS = ("head.back", "head.right", "head.front", "chest.front", "belly.front", "left_ribs",
          "right_ribs", "left_hip", "right_hip", "left_shoulder.top",
          "right_shoulder.top")  # fmt: skip
@@ -184,22 +186,35 @@ def _in_time(task: BoundTask) -> bool:
 
 def try_way(body: Body, seed: int) -> Case:
     """A way of the right hand from anywhere to a place beside the body, or to a posture."""
-    rng = np.random.default_rng(seed)
-    while True:
-        task = _timed(body, _beside(body, rng), CALM)
-        task = replace(task, start=random_start(body, task.start, 1, int(rng.integers(1 << 30)))[0])
-        task.start[body.qpos_of_dof[body.joints("left_arm")]] = body.home[
-            body.qpos_of_dof[body.joints("left_arm")]
-        ]
-        ends = _has(found := lint_task(task), "out-of-reach", "inside-body", "too-fast")
-        if body.clearance(task.start) > 0.0 and not ends:
-            break
+    task, found = _way(body, seed)
     hits = [f for f in found if f.code == "collision"]
     advice: tuple[bool, ...] = ()
     round_ = _advised(body, task, hits[0]) if hits else None
     if round_ is not None:
         advice = (not _touches(round_),)
     return Case("collision", seed, bool(hits), _touches(task), advice)
+
+
+def try_end(body: Body, seed: int) -> Case:
+    """The same, and whether it comes to its goal."""
+    task, found = _way(body, seed)
+    (recording,) = _run(task, task.start)
+    (verdict,) = judge(recording, task.spec).verdicts
+    return Case("stuck", seed, _has(found, "stuck"), not verdict.success)
+
+
+def _way(body: Body, seed: int) -> tuple[BoundTask, Sequence[Finding]]:
+    """A way with time enough to a goal that can be reached, and what the lint says of it."""
+    rng = np.random.default_rng(seed)
+    left = body.qpos_of_dof[body.joints("left_arm")]
+    while True:
+        task = _timed(body, _beside(body, rng), CALM)
+        task = replace(task, start=random_start(body, task.start, 1, int(rng.integers(1 << 30)))[0])
+        task.start[left] = body.home[left]
+        if body.clearance(task.start) <= 0.0:
+            continue
+        if not _has(found := lint_task(task), "out-of-reach", "inside-body", "too-fast"):
+            return task, found
 
 
 def _beside(body: Body, rng: np.random.Generator) -> Primitive:
@@ -342,7 +357,7 @@ def try_fight(body: Body, seed: int) -> Case:
 
 
 TRIES: dict[str, Callable[[Body, int], Case]] = {
-    "out of reach": try_goal, "too fast": try_time, "collision": try_way,
+    "out of reach": try_goal, "too fast": try_time, "collision": try_way, "stuck": try_end,
     "joint limit": try_range, "never": try_condition, "fight": try_fight,
 }  # fmt: skip
 

@@ -110,10 +110,11 @@ class Foresight:
 
 
 def moved(body: Body, dofs: IntArray) -> IntArray:
-    """Some joints, and after them all others but those of limbs that stay where they are."""
+    """Some joints, and after them all others with a servo but those of limbs that keep still."""
     limbs = [body.joints(limb) for limb in body.map.limbs]
     still = [limb for limb in limbs if not np.isin(limb, dofs).any()]
-    others = np.setdiff1d(np.arange(body.nv), np.concatenate([dofs, *still]))
+    held = [d for d in range(body.nv) if body.dof_name(d) in body.map.servos]
+    others = np.setdiff1d(held, np.concatenate([dofs, *still]))
     return np.concatenate([dofs, others]).astype(np.int32)
 
 

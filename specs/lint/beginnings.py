@@ -11,7 +11,7 @@ from specs.binding import BoundTask
 from specs.conditions import Condition
 from specs.graph import OTHERWISE, WHILE
 from specs.lint.finding import Finding, Places, cm
-from specs.lint.reachable import miss_itself, moved_from_home, nearest
+from specs.lint.nearest import miss_itself, moved_from_home, nearest
 from specs.task import SubTask
 
 Holds = Literal["never", "always", "perhaps"]

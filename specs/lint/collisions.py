@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from specs.binding import BoundTask
-from specs.lint.course import Move
 from specs.lint.detours import Via, way_round
 from specs.lint.finding import Finding, Places, cm
+from specs.lint.move import Move
 from specs.lint.together import Together
 from specs.lint.touching import Clash, clash
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from primitives import GetPosture, GoToPoint, ViaPlace, ViaPosture
 from sim import axes_of, origin, places_of
-from specs.lint.course import Move, led_by
 from specs.lint.finding import point
+from specs.lint.move import Move, led_by
 from specs.lint.together import Together
 from specs.lint.touching import distances, looked
 

@@ -11,8 +11,8 @@ from primitives import GetPosture
 from primitives.primitive import FloatArray
 from sim import moved
 from specs.binding import BoundTask
-from specs.lint.course import Move
 from specs.lint.finding import Finding, Places, Severity, cm
+from specs.lint.move import Move
 from specs.lint.together import Together
 from specs.lint.touching import touches
 

@@ -10,8 +10,8 @@ import numpy as np
 from primitives import Oscillate
 from primitives.primitive import FloatArray
 from specs.binding import BoundTask
-from specs.lint.course import Move
 from specs.lint.finding import Finding, Places
+from specs.lint.move import Move
 
 MARGIN = 1.0  # [deg] of a range that may be passed
 

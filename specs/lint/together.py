@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from primitives.primitive import FloatArray
 from sim import Foreseen
-from specs.lint.course import Move
+from specs.lint.move import Move
 
 IntArray = NDArray[np.int_]
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from primitives.primitive import FloatArray
 from sim import Foreseen, clearances
-from specs.lint.course import Move
+from specs.lint.move import Move
 from specs.lint.together import Together
 
 BRUSH = 0.002  # [m] of depth that is not told
