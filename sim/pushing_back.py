@@ -22,7 +22,7 @@ from sim.body import Body
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
-SWEEPS = 12  # of Gauss-Seidel over the rows
+AT_ONCE, ONE_BY_ONE = 6, 60  # rounds in which rows that push the wrong way change sides
 SAME = 1e-9  # [m/rad] links that move alike
 
 
@@ -144,8 +144,25 @@ def pushed_back(
     gain = firm[:, None] * (rows @ response) + np.diag(give)
     before = rows @ old
     wanted = stiffness * (depth + half * before) + before / half - firm * (rows @ free)
-    force = np.zeros(len(rows))
-    for _ in range(SWEEPS):
-        for i in range(len(rows)):
-            force[i] = max(0.0, force[i] + (wanted[i] - gain[i] @ force) / gain[i, i])
-    return free + response @ force
+    return free + response @ complementary(gain, wanted)
+
+
+def complementary(square: FloatArray, wanted: FloatArray) -> FloatArray:
+    """The f >= 0 (r,) with A f >= b, and f = 0 where it is more: by principal pivoting.
+
+    All rows on the wrong side change sides at once; if that goes round in circles, the first of
+    them alone, which comes to an end (Murty 1974).
+    """
+    pushes, force = np.ones(len(wanted), dtype=bool), np.zeros(len(wanted))
+    for turn in range(AT_ONCE + ONE_BY_ONE):
+        force = np.zeros(len(wanted))
+        own = np.flatnonzero(pushes)
+        if len(own):
+            force[own] = np.linalg.solve(square[np.ix_(own, own)], wanted[own])
+        left = square @ force - wanted
+        wrong = np.flatnonzero(np.where(pushes, force < 0.0, left < -SAME))
+        if not len(wrong):
+            break
+        changed = wrong if turn < AT_ONCE else wrong[:1]
+        pushes[changed] = ~pushes[changed]
+    return np.maximum(force, 0.0)
