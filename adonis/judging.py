@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adonis.aims import Aims
+from adonis.claiming import Claims
 from adonis.judging_rhythm import asked_rhythms, off_centre, off_rhythm, off_swing
-from adonis.verdicts import HEAD, Judgement, Measure, Verdict, claimed, moved_by, swinging
+from adonis.verdicts import Judgement, Measure, Verdict, claimed, moved_by, swinging
 from primitives import (
     Follow,
     GetPosture,
@@ -29,7 +30,6 @@ from primitives import (
 from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
 from specs import SubTask, TaskGraph, TaskSpec, build_graph, task_from_text
-from specs.groups import together
 from specs.tolerances import ANGLE, PALM_ANGLE, PENETRATION, TOUCH_AT_END, TOUCH_BEFORE_NEXT
 
 FloatArray = NDArray[np.float64]
@@ -92,12 +92,13 @@ class _Measuring:
     def __init__(self, recording: Recording, names: BodyMap, replay: Replay) -> None:
         self.recording, self.names, self.replay = recording, names, replay
         self.aims = Aims(self.replay, names)
+        self.claims = Claims(recording, names, replay)
 
     # --- sub-tasks -------------------------------------------------------------------------
 
     def subtask(self, subtask: SubTask, span: Span, graph: TaskGraph) -> list[Measure]:
         end = self.recording.row(span.end)
-        held = max(self.recording.row(self._claimed_again(subtask, span, graph.spec)), end)
+        held = max(self.recording.row(self.claims.let_go(subtask, span, graph.spec)), end)
         does = subtask.does
         if isinstance(does, GoToPoint):
             return self._reach(does, end, held)
@@ -133,12 +134,12 @@ class _Measuring:
                 ]
             case Hold():
                 began = self.recording.row(span.start)
-                own = self._joints(does.limb or does.joints or ())
+                own = self.claims.joints(does.limb or does.joints or ())
                 was = {j: float(np.rad2deg(self.replay.angle(j)[began])) for j in own}
                 drift = self._angles(was, slice(began, held + 1))
                 return [Measure("drift", drift.value, DRIFT, "deg", drift.where)]
             case Relax():
-                own = self._joints(does.limb or does.joints or ())
+                own = self.claims.joints(does.limb or does.joints or ())
                 speed = {
                     j: float(np.abs(self.recording.qvel[after, self.replay.dof(j)]).max())
                     for j in own
@@ -179,7 +180,7 @@ class _Measuring:
     def _posture(self, does: GetPosture, end: int, held: int) -> list[Measure]:
         window = slice(end, held + 1)
         if isinstance(does.posture, str):
-            own = self._joints(does.limb or does.joints or ())
+            own = self.claims.joints(does.limb or does.joints or ())
             asked = {j: a for j, a in self.names.postures[does.posture].items() if j in own}
             return [self._angles(asked, window)]
         said = dict(does.posture)
@@ -203,7 +204,7 @@ class _Measuring:
             joint: float(angle)
             for name, angle in said.items()
             if isinstance(angle, float | int)
-            for joint in self._joints(name)
+            for joint in self.claims.joints(name)
         }
         if asked:
             measures.append(self._angles(asked, window))
@@ -287,12 +288,12 @@ class _Measuring:
             ),
             self._hand_over(graph, spans, limits),
         ]
-        taken = {j for s in task.subtasks for j in self._joints(claimed(s))}
+        taken = {j for s in task.subtasks for j in self.claims.joints(claimed(s))}
         steps = (*task.background, *task.subtasks)
-        moved = taken | {j for s in steps for j in self._joints(swinging(s.does))}
+        moved = taken | {j for s in steps for j in self.claims.joints(swinging(s.does))}
         for beside in task.background:
             if isinstance(beside.does, LookAt | Relax):
-                moved |= self._joints(moved_by(beside.does))
+                moved |= self.claims.joints(moved_by(beside.does))
         still = [j for group in self.names.upright for j in self.names.groups[group]]
         home = self.names.postures[self.names.home]
         off = {
@@ -306,7 +307,9 @@ class _Measuring:
         for beside in task.background:
             if isinstance(beside.does, Oscillate):
                 swings = beside.does
-                free = [j for j in swings.swings if not self._joints(swings.limb or j) & taken]
+                free = [
+                    j for j in swings.swings if not self.claims.joints(swings.limb or j) & taken
+                ]
                 whole = float(recording.time[0]), float(recording.time[-1])
                 seen = self._rhythm(graph.paced(swings), *whole, free)
                 checks += [replace(m, what=f"{beside.name}: {m.what}") for m in seen]
@@ -322,7 +325,7 @@ class _Measuring:
             subtask = known.get(span.name)
             if subtask is None or not np.isfinite(span.start):
                 continue
-            dofs = [self.replay.dof(j) for j in self._joints(claimed(subtask))]
+            dofs = [self.replay.dof(j) for j in self.claims.joints(claimed(subtask))]
             window = steps[hand_over_rows(recording, span, graph.fade(subtask.name)), dofs]
             if window.size == 0:
                 continue
@@ -333,48 +336,6 @@ class _Measuring:
                     worst.what, float(window[row, column]), worst.limit, worst.unit, where
                 )
         return worst
-
-    # --- who claims what -------------------------------------------------------------------
-
-    def _joints(self, names: str | Sequence[str]) -> set[str]:
-        """Joints of limbs, groups or single joints."""
-        found: set[str] = set()
-        for name in [names] if isinstance(names, str) else names:
-            if name in self.names.limbs:
-                found |= set(self.names.limbs[name].joints)
-            elif name in self.names.groups:
-                found |= set(self.names.groups[name])
-            elif name == HEAD and self.names.head is not None:
-                found |= self._joints(self.names.head.joints)
-            elif name == "all":
-                found |= set(self.names.servos)
-            elif self._is_joint(name):
-                found.add(name)
-        return found
-
-    def _is_joint(self, name: str) -> bool:
-        try:
-            self.replay.dof(name)
-        except KeyError:
-            return False
-        return True
-
-    def _claimed_again(self, subtask: SubTask, span: Span, task: TaskSpec) -> float:
-        """When the next sub-task that claims a joint of this one began, or infinity [s].
-
-        It may be the same in its next round. What a group puts beside it does not count until it
-        is over.
-        """
-        own = self._joints(claimed(subtask))
-        rivals = {s.name for s in task.subtasks if own & self._joints(claimed(s))}
-        later = [
-            s.start
-            for s in (*self.recording.rounds, *self.recording.spans)
-            if s.name in rivals
-            and s.start > span.start
-            and (s.start >= span.end or not together(subtask.name, s.name, task.groups))
-        ]
-        return min(later, default=np.inf)
 
 
 def _worst_of(rounds: Sequence[Sequence[Measure]]) -> tuple[Measure, ...]:

@@ -19,7 +19,7 @@ from adonis.comparison.report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
 from adonis.errors import InputError
 from adonis.rehearsal.keeping import rehearsed
-from adonis.rehearsal.rehearsing import Rehearsed
+from adonis.rehearsal.searching import Rehearsed
 from adonis.reporting import Results, prepare_folder, remove_folders, write_results
 from adonis.showing import print_comparison
 from primitives import Primitive

@@ -181,9 +181,8 @@ class _Builder:
             self._capsule(pelvis, f"{side}_thigh", hip, knee, 0.44 * a, TROUSERS)
             self._capsule(pelvis, f"{side}_shank", knee, ankle, 0.30 * a, TROUSERS)
             self._capsule(pelvis, f"{side}_foot", heel, toe, 0.04, DARK)
-            self._landmark(
-                f"{side}_hip", pelvis, (0.0, s * (half - b), 0.32 * top), (0.45, s, 0.15)
-            )
+            crest = (0.0, s * (half - b), 0.32 * top)
+            self._landmark(f"{side}_hip", pelvis, crest, (0.45, s, 0.15))
         _inertial(pelvis, person.mass * 0.4, (0, 0, -0.3), (1.0, 1.0, 0.3))
 
     def _trunk(self) -> Any:
@@ -221,6 +220,9 @@ class _Builder:
             self._landmark(
                 f"{side}_ribs", trunk, (0, s * (chest - r), 0.39 * length), (1.3, s, 0.0)
             )
+            # Front of the iliac crest, at the belt: where a hand comes to lie from across the body.
+            belt = (0, 0.75 * y, 0.08 * length)
+            self._landmark(f"{side}_hip.front", trunk, belt, (1.0, 0.30 * s, 0.0))
         self._capsule(trunk, "sternum", (0, 0, 0.30 * length), (0, 0, 0.56 * length), b, SHIRT)
         upper = 0.40 * chest
         self._capsule(
@@ -283,13 +285,13 @@ class _Builder:
         self._capsule(
             upper, f"{side}_upper_arm", (0, 0, -middle), (0, 0, -ua.length), 0.95 * r, SKIN
         )
+        # Half a hand's length above the crook: there a hand has room when the elbow is bent, too.
+        self._landmark(f"{side}_elbow.inside", upper, (0, 0, -0.70 * ua.length), (1, 0, 0))
 
         forearm = upper.add_body(name=f"{side}_forearm", pos=[0.0, 0.0, -ua.length])
         self._joints(forearm, (f"{side}_elbow",))
         _hanging(forearm, fa)
         r = fa.radius
-        # Half a hand's length below the crook: a hand lies there when the elbow is bent, too.
-        self._landmark(f"{side}_elbow.inside", forearm, (0, 0, -0.36 * fa.length), (1, -0.5 * s, 0))
         self._capsule(
             forearm, f"{side}_forearm", (0, 0, 0), (0, 0, -0.5 * fa.length), 1.05 * r, SKIN
         )

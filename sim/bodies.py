@@ -34,7 +34,7 @@ SPRING = Spring(
 )
 
 LANDMARKS = (
-    *(f"{side}_{part}" for side in SIDES for part in ("shoulder.top", "ribs", "hip")),
+    *(f"{side}_{part}" for side in SIDES for part in ("shoulder.top", "ribs", "hip", "hip.front")),
     *(f"{side}_elbow.inside" for side in SIDES),
     *("head.back", "head.back_left", "head.back_right"),
     *("head.front", "head.top", "head.left", "head.right"),

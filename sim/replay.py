@@ -149,6 +149,18 @@ class Replay:
         index = self._id(mujoco.mjtObj.mjOBJ_JOINT, "joint", joint)
         return int(self.model.jnt_dofadr[index])
 
+    def has_joint(self, name: str) -> bool:
+        """Whether the model has a joint of that name."""
+        return bool(mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name) >= 0)
+
+    def moves(self, joint: str, site: str) -> bool:
+        """Whether a joint moves the link that a site is on."""
+        moved = self.model.jnt_bodyid[self._id(mujoco.mjtObj.mjOBJ_JOINT, "joint", joint)]
+        link = self.model.site_bodyid[self._id(mujoco.mjtObj.mjOBJ_SITE, "site", site)]
+        while link and link != moved:
+            link = self.model.body_parentid[link]
+        return bool(link == moved)
+
     def joint_of_dof(self, dof: int) -> str:
         """Name of the joint that owns a degree of freedom."""
         return str(self.model.joint(self.model.dof_jntid[dof]).name)

@@ -17,14 +17,15 @@ from pydantic import ValidationError
 
 from adonis.dancing import versions
 from adonis.rehearsal.grading import Grade
-from adonis.rehearsal.rehearsing import Progress, Rehearsed, rehearse, with_ways
+from adonis.rehearsal.rehearsing import Progress, rehearse
+from adonis.rehearsal.searching import Rehearsed, with_ways
 from primitives import GoToPoint
 from sim import Body
 from specs import SpecError, TaskSpec, amended, task_to_yaml
 
 CODE = Path(__file__).parents[2]
 FLOORS = ("sim", "primitives", "specs", "arbiter", "adonis")
-WAY = ("upper_arm", "travel", "via")  # what a rehearsal fills in
+WAY = ("upper_arm", "palm", "travel", "via")  # what a rehearsal fills in
 
 
 def rehearsed(
@@ -105,7 +106,10 @@ def _read(file: Path, spec: TaskSpec) -> dict[str, Rehearsed]:
         kept = json.loads(file.read_text(encoding="utf-8"))
         return {
             name: Rehearsed(
-                GoToPoint.model_validate(way["does"]), Grade(**way["grade"]), int(way["tried"])
+                GoToPoint.model_validate(way["does"]),
+                Grade(**way["grade"]),
+                int(way["tried"]),
+                int(way["turns"]),
             )
             for name, way in kept.items()
             if name in names
@@ -120,6 +124,7 @@ def _write(file: Path, ways: Mapping[str, Rehearsed]) -> None:
             "does": way.does.model_dump(mode="json", exclude_unset=True),
             "grade": vars(way.grade),
             "tried": way.tried,
+            "turns": way.turns,
         }
         for name, way in ways.items()
     }

@@ -69,33 +69,35 @@ class Walk:
 
 
 def play(
-    variants: Sequence[BoundTask], scene: Scene, seconds: float, *, threads: int = 1
+    variants: Sequence[BoundTask],
+    scene: Scene,
+    seconds: float,
+    *,
+    alone: bool = False,
 ) -> list[Recording | None]:
     """Let variants of a task go on from a scene, each in a simulation of its own.
-
-    What is planned to begin when the scene's sub-task is over is held back.
 
     Args:
         variants: the task with other parameters.
         scene: where they go on from.
         seconds: for how long from there on.
-        threads: of the physics; the result does not depend on it.
+        alone: hold back what is planned to begin when the scene's sub-task is over.
 
     Returns:
         A recording of each from the scene on (from the beginning, if the scene has no place);
         None where the physics went wrong or a primitive asked for nonsense.
     """
     body, n = variants[0].body, len(variants)
-    world = World(body, n, threads=threads)
+    world = World(body, n)
     world.go_back(scene.physics)
     arbiters = [Arbiter(task, contributions=False) for task in variants]
     if scene.place is not None:
         for arbiter in arbiters:
             arbiter.go_on_from(scene.place)
     planned = variants[0].graph.planned
-    later = [name for name, when in planned.items() if when[0] >= planned[scene.subtask][1] - EARLY]
+    over = planned[scene.subtask][1] - EARLY
     for arbiter in arbiters:
-        arbiter.hold_back(later)
+        arbiter.hold_back([name for name, when in planned.items() if alone and when[0] >= over])
     states = [world.state.of_one(i) for i in range(n)]
     recorder = Recorder(body, n, about=about(variants[0], 0))
     nobody = np.zeros((n, 0), dtype=np.int32)

@@ -54,6 +54,9 @@ def landmark(noun: Noun, hand: str, context: Context, *, both: bool = False) -> 
         side, assumed = _side(noun, hand, context, both)
         if "elbow" in template and side == hand:
             raise Problem.of(f"the {hand} hand cannot reach its own elbow", noun.words)
+        if noun.part is None and side != hand and "opposite" in meaning:
+            template = meaning["opposite"]
+            assumed = assumed or f"the {hand} hand touches the front of it"
     name = template.format(side=side, hand=hand, other=opposite(hand))
     if (
         noun.part is None

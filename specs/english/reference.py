@@ -154,4 +154,6 @@ def _noun(meaning: Mapping[str, Any]) -> str:
     told += [
         f"{part} of: {place}" for part, place in parts.items() if place != meaning.get("place")
     ]
+    if "opposite" in meaning:
+        told.append(f"to the hand of the other side: {meaning['opposite']}")
     return "; ".join(told) or str(meaning["is"])

@@ -97,7 +97,7 @@ def test_other_wordings_of_the_dance_compile(path: Path, body: Body) -> None:
         other = "left" if side == "right" else "right"
         assert crossed.to in (f"{other}_shoulder.top", f"{other}_elbow.inside")
         assert behind.to == f"head.back_{side}"
-        assert down.to in (f"{other}_ribs", f"{other}_hip")
+        assert down.to in (f"{other}_ribs", f"{other}_hip.front")
         assert hip.to == f"{side}_hip"
 
 
