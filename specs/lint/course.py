@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from primitives import CompensateGravity, Hold, Oscillate
+from primitives import CompensateGravity, GoToPoint, Hold, Oscillate
 from primitives.parameters import BACKGROUND_SETTLING
 from primitives.posture_field import PostureField
 from primitives.primitive import Field, FloatArray, IntArray
-from sim import Body
+from sim import Body, moving_dofs
 from specs.binding import BoundTask
 from specs.lint.move import Move, Scene, move_of
 from specs.lint.springs import NODES
@@ -71,16 +71,31 @@ def _settling(task: BoundTask) -> FloatArray:
 
 
 def _next_claims(task: BoundTask) -> list[float]:
-    """When each sub-task's joints are claimed again, or the task is over [s]."""
-    graph = task.graph
+    """When each sub-task's goal is let go, or the task is over [s].
+
+    That is when its joints are claimed again, or those of another limb that its goal is on.
+    """
+    body, graph = task.body, task.graph
     order = sorted(range(len(graph.order)), key=lambda k: -graph.planned[graph.order[k]][0])
-    soonest, found = np.full(task.body.nv, graph.duration), [graph.duration] * len(graph.order)
+    soonest, found = np.full(body.nv, graph.duration), [graph.duration] * len(graph.order)
     for k in order:
         claims = task.fields[k].claims
         if len(claims):
-            found[k] = float(soonest[claims].min())
+            below = _carrying(body, graph.subtasks[graph.order[k]].does)
+            found[k] = float(soonest[[*claims, *below]].min())
             soonest[claims] = graph.planned[graph.order[k]][0]
     return found
+
+
+def _carrying(body: Body, does: object) -> list[int]:
+    """The joints of limbs that carry the landmark to which a hand goes."""
+    if not isinstance(does, GoToPoint):
+        return []
+    mark = does.to if isinstance(does.to, str) else does.to.near
+    if mark is None:
+        return []
+    limbs = {int(dof) for limb in body.map.limbs for dof in body.joints(limb)}
+    return sorted(limbs & set(moving_dofs(body, body.landmark(mark).link)))
 
 
 def _leaves(

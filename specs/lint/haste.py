@@ -122,7 +122,7 @@ def _why(task: BoundTask, move: Move, miss: float) -> str:
         dof = int(moved(body, move.dofs)[int(np.argmax(shares))])
         return body.dof_name(dof), dof
 
-    if seen.torque.max() > 1.0:
+    if miss > 1.0 and seen.torque.max() > 1.0:
         joint, dof = worst(seen.torque)
         said = f"the motor of {joint} gives all that it has, {body.torque_limit[dof]:.0f} N m"
     elif seen.speed.max() > 1.0:
