@@ -3,10 +3,9 @@
     M(q) q'' + c(q, q') + D q' = tau(q, q', t) + J^T f,      |tau| <= what the motors have
 
 with MuJoCo's mass matrix and bias torques, in steps by the linearly implicit midpoint rule, which
-stays stable where springs are stiff for the step. Joints stop at the ends of their ranges; what the
-limb leans on pushes back and rubs like a firm spring, if it is not to be passed through. Servos
-hold trunk and head, which give way a little; other limbs are carried along. No step of the
-simulation is taken.
+stays stable where springs are stiff for the step. The ends of joints and what the limb leans on
+push back (`sim/pushing_back.py`), but for what it is to pass through. Servos hold trunk and head,
+which give way a little; other limbs are carried along. No step of the simulation is taken.
 """
 
 from dataclasses import dataclass
@@ -113,7 +112,10 @@ def moved(body: Body, dofs: IntArray) -> IntArray:
     """Some joints, and after them all others with a servo but those of limbs that keep still."""
     limbs = [body.joints(limb) for limb in body.map.limbs]
     still = [limb for limb in limbs if not np.isin(limb, dofs).any()]
-    held = [d for d in range(body.nv) if body.dof_name(d) in body.map.servos]
+    held = [
+        dof for dof in np.flatnonzero(body.torque_limit > 0.0)
+        if body.dof_name(int(dof)) in body.map.servos
+    ]  # fmt: skip
     others = np.setdiff1d(held, np.concatenate([dofs, *still]))
     return np.concatenate([dofs, others]).astype(np.int32)
 
