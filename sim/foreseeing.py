@@ -21,9 +21,10 @@ from sim.springs import JointSprings, Pull, Springs
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
-STEP = 0.006  # [s]
-FEWEST, MOST = 30, 400  # steps while the set point travels
+STEP, LONGEST = 0.006, 0.012  # [s]
+FEWEST, MOST = 30, 400  # steps while the set point travels, unless they become longer than that
 AT_REST = 0.03  # [rad/s] once the set point rests
+FLUNG = 200.0  # [rad/s] which no limb is: then sight of it is lost
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class Foreseen:
     torque: FloatArray
     leans: tuple[tuple[str, str], ...]  # links that lean on each other in the end
     at_end: IntArray  # joints (e,) that are in the end at an end of their range
+    lost: bool  # whether it could not be foreseen to its end
 
     def between(self, first: float, last: float) -> FloatArray:
         """The postures (h, nq) from one time to another [s], both with it."""
@@ -85,13 +87,17 @@ class Foresight:
             hand_over: cross-fade from what held the joints before [s].
             shy: pairs of links that end it if they touch after the hand-over.
         """
-        step = min(STEP, travel / FEWEST) if travel < MOST * STEP else travel / MOST
+        step = min(travel / FEWEST, max(STEP, min(LONGEST, travel / MOST)))
         limb, body, dofs = _Limb(self, step), self.body, moved(self.body, self.dofs)
         settled = max(travel, hand_over)
         times, postures = [0.0], [self.start.copy()]
         fastest, most = np.zeros((2, len(dofs)))
+        lost = False
         while times[-1] < until:
             asked = limb.go_on(times[-1], travel, hand_over)
+            lost = bool(np.abs(limb.speed).max() > FLUNG)
+            if lost:
+                break
             times.append(times[-1] + step)
             postures.append(limb.qpos)
             fastest, most = np.maximum(fastest, np.abs(limb.speed)), np.maximum(most, np.abs(asked))
@@ -105,6 +111,7 @@ class Foresight:
         return Foreseen(
             travel, np.array(times), np.array(postures), fastest / body.speed_limit[dofs],
             most / body.torque_limit[dofs], tuple(leans), self.dofs[(last <= low) | (last >= high)],
+            lost,
         )  # fmt: skip
 
 

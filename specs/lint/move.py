@@ -87,7 +87,9 @@ class Move:
 
     def works(self, foreseen: Foreseen, duration: float) -> bool:
         """Whether it comes to its goal if it goes so in a time [s], no joint being too fast."""
-        return self.missed(foreseen, duration) <= 1.0 and float(foreseen.speed.max()) <= 1.0
+        if foreseen.lost or float(foreseen.speed.max()) > 1.0:
+            return False
+        return self.missed(foreseen, duration) <= 1.0
 
     def _foreseen(self, foresight: Foresight, duration: float) -> Foreseen:
         fade = min(self.hand_over, duration)
@@ -124,10 +126,9 @@ def move_of(
     body, posture = scene.body, scene.posture
     if not isinstance(does, GetPosture | GoToPoint):
         return None
-    if np.isnan(posture[body.qpos_of_dof[field.claims]]).any():
+    pulsed = does.controller == "torque-field" and does.via  # instead of a set point that travels
+    if pulsed or np.isnan(posture[body.qpos_of_dof[field.claims]]).any():
         return None
-    if does.controller == "torque-field" and does.via:
-        return None  # it has pulses instead of a set point that runs through via postures
     start = np.where(np.isnan(posture), body.home, posture)
     every = moved(body, field.claims)
     wanted = np.where(
@@ -147,7 +148,9 @@ def move_of(
         body, field.claims, start, springs, servos(body, every, wanted), BACKGROUND_SETTLING,
         scene.carried, _giving(body, field.claims),
     )  # fmt: skip
-    fade = min(hand_over, duration)
+    foreseen = foresight.in_time(travel, duration + hold, min(hand_over, duration), shy)
+    if foreseen.lost:
+        return None
     return Move(
         name=name,
         does=does,
@@ -160,7 +163,7 @@ def move_of(
         curve=curve,
         scene=scene,
         foresight=foresight,
-        foreseen=foresight.in_time(travel, duration + hold, fade, shy),
+        foreseen=foreseen,
         timed=does.controller in ("pd-servo", "impedance"),
     )
 
