@@ -18,10 +18,14 @@ def print_catalogue(console: Console, kinds: Mapping[str, type[Primitive]]) -> N
         table.add_row(name, spec.title, str(len(spec.subtasks)))
     console.print(table)
     table = Table("body", "limbs", "landmarks", title="Bodies", title_justify="left")
+    alike: dict[tuple[tuple[str, ...], ...], list[str]] = {}
     for name in BODIES:
         names = load_body(name).map
-        table.add_row(name, "\n".join(names.limbs), ", ".join(sorted(names.landmarks)))
+        alike.setdefault((tuple(names.limbs), tuple(sorted(names.landmarks))), []).append(name)
+    for (limbs, landmarks), bodies in alike.items():
+        table.add_row("\n".join(bodies), "\n".join(limbs), ", ".join(landmarks))
     console.print(table)
+    console.print("Anybody else: --body adonis:height=1.3,weight=28,sex=female,age=9", markup=False)
     table = Table(
         "primitive", "what it does", "parameters", title="Primitives", title_justify="left"
     )

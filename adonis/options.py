@@ -12,7 +12,15 @@ INTERRUPTED = 130  # the exit code that shells use
 TaskArgument = Annotated[
     str, typer.Argument(metavar="TASK", help="A task of the library (see `adonis list`) or a file.")
 ]
-BodyOption = Annotated[str, typer.Option("--body", metavar="NAME", help="Body that does it.")]
+BodyOption = Annotated[
+    str | None,
+    typer.Option(
+        "--body",
+        metavar="NAME",
+        help="Body that does it.",
+        show_default="the task's own, else adonis",
+    ),
+]
 TempoOption = Annotated[
     float | None,
     typer.Option("--tempo", metavar="BPM", help="Beats per minute instead of the task's own."),
@@ -29,6 +37,12 @@ WaysOption = Annotated[
     str | None,
     typer.Option(
         "--out", metavar="FILE", help="The task with its ways.", show_default="TASK-rehearsed.yaml"
+    ),
+]
+MorphOption = Annotated[
+    str | None,
+    typer.Option(
+        "--morph", metavar="NAME", help="Become this person meanwhile, who is there in the end."
     ),
 ]
 AfreshOption = Annotated[

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from adonis.arguments import FAILED, classes, given_path, load, refuse
+from adonis.arguments import FAILED, classes, given_path, load, refuse, whose
 from adonis.options import BodyOption, PrimitivesOption, TaskArgument
 
 
@@ -36,7 +36,7 @@ def trials(
 
     console = Console()
     wished = given_path("--out", out)
-    spec, document = load(task, None, primitives)
+    spec, document = load(task, primitives)
     folder = wished or Path("runs") / f"{spec.task}-trials"
     try:
         with console.status("starting") as status:
@@ -62,7 +62,7 @@ def compare(
             show_default="pd-servo,torque-field,impedance,combined",
         ),
     ] = None,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     human: Annotated[
         str | None,
         typer.Option(
@@ -98,13 +98,13 @@ def compare(
     from sim import SimError, load_body
     from specs import SpecError
 
-    spec, _ = load(task, None, primitives)
+    spec, _ = load(task, primitives)
     names = DANCERS if controllers is None else tuple(n.strip() for n in controllers.split(","))
     wished = given_path("--out", out)
     try:
         perform_comparison(
             task,
-            load_body(body),
+            load_body(whose(spec, body)),
             wished or Path("runs") / f"{spec.task}-compared",
             dancers=names,
             human=known_human(spec.task) if human is None else load_human(human),

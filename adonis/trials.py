@@ -14,7 +14,7 @@ from adonis.judging import judge
 from adonis.reporting import prepare_folder, write_text
 from adonis.verdicts import Judgement
 from sim import Push, Recording, load_body
-from specs import BoundTask, Document, TaskSpec, bind_task, with_tempo
+from specs import BoundTask, Document, TaskSpec, bind_task, fitted, with_tempo
 
 TEMPOS = (80.0, 120.0)  # beats per minute, beside the task's own
 PUSH = 40.0  # [N]
@@ -92,7 +92,8 @@ def run_trials(
     run(task, [f"as it stands, {spec.tempo:g} bpm"])
     for tempo in TEMPOS:
         run(bind_task(with_tempo(spec, tempo), body, document), [f"{tempo:g} bpm"])
-    run(bind_task(spec, other, document), [f"female, {spec.tempo:g} bpm"])
+    danced = fitted(spec, other, document, tempo=spec.tempo)
+    run(bind_task(danced, other, document), [f"female, {spec.tempo:g} bpm"])
     pushes = _pushes(task)
     run(task, [said for said, _ in pushes], pushes=[p for _, p in pushes])
     if starts:

@@ -1,9 +1,10 @@
 """Floor 1: bodies, physics and recordings. The only floor that imports MuJoCo."""
 
-from sim.bodies import BODIES, adonis, load_body
+from sim.anthropometry import FEMALE, MALE, Anthropometry
+from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
-from sim.body_map import BodyMap, Head, Limb, Servo, Spring
-from sim.clearance import clearances, depth_inside
+from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
+from sim.clearance import clearance, clearances, depth_inside
 from sim.errors import (
     BeyondRange,
     BodyError,
@@ -13,12 +14,16 @@ from sim.errors import (
     SimError,
     unknown,
 )
-from sim.extending import extended, halfway
+from sim.extending import extended, halfway, renamed
 from sim.foreseeing import Foreseen, Foresight, moved
+from sim.gains import Gains, firmer, mean_hand, mean_joint, scaled_gains, spring_laws
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.hand_springs import HandPath, HandSprings
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
 from sim.kinematics import axes_of, origin, places_of, turned
+from sim.laws import Law
+from sim.likeness import Likeness, likeness
+from sim.morphing import between, person_named
 from sim.motions import (
     Motion,
     inverse_dynamics,
@@ -26,12 +31,15 @@ from sim.motions import (
     site_paths,
     straight_motion,
 )
+from sim.people import person
+from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
 from sim.posing import ArmWords, pose
 from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
+from sim.scaling import scaled
 from sim.springs import JointSprings, Springs
 from sim.state import State
 from sim.way import Detour, Way, find_way, straight_way, way_gone
@@ -40,7 +48,11 @@ from sim.world import BareWorld, Moment, Push, World
 __all__ = [
     "BODIES",
     "DIRECTIONS",
+    "FEMALE",
+    "MALE",
+    "PEOPLE",
     "VIEWS",
+    "Anthropometry",
     "Arm",
     "ArmWords",
     "BareWorld",
@@ -55,12 +67,16 @@ __all__ = [
     "Foreseen",
     "Foresight",
     "Frame",
+    "Gains",
     "Gaze",
+    "Guard",
     "HandPath",
     "HandSprings",
     "Head",
     "Inertias",
     "JointSprings",
+    "Law",
+    "Likeness",
     "Limb",
     "Moment",
     "Motion",
@@ -83,29 +99,42 @@ __all__ = [
     "World",
     "adonis",
     "axes_of",
+    "between",
     "carrier",
+    "clearance",
     "clearances",
     "depth_inside",
     "extended",
     "find_gaze",
     "find_way",
+    "firmer",
     "halfway",
     "inertias",
     "inverse_dynamics",
     "joint_inertia",
+    "likeness",
     "load_body",
     "mass_matrix",
+    "mean_hand",
+    "mean_joint",
     "minimum_jerk_profile",
     "moved",
     "moving_dofs",
     "origin",
+    "person",
+    "person_named",
+    "person_of",
     "places_of",
     "planar_arm",
     "pose",
     "reach",
+    "renamed",
     "render_filmstrip",
     "render_video",
+    "scaled",
+    "scaled_gains",
     "site_paths",
+    "spring_laws",
     "straight_motion",
     "straight_way",
     "turned",

@@ -16,7 +16,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from sim.anthropometry import Anthropometry, Segment
+from sim.anthropometry import MALE, PALM, Anthropometry, Segment
 from sim.landmarks import Ray, place_landmarks
 
 Vector = tuple[float, float, float]
@@ -27,7 +27,7 @@ TROUSERS = (0.20, 0.21, 0.25, 1.0)
 DARK = (0.13, 0.10, 0.09, 1.0)
 FRICTION = 0.2  # clothed skin on skin
 SOFTNESS = [0.02, 1.0]  # of flesh in contact: time constant [s] and damping ratio
-EYES = (0.094, 0.0, 0.64)  # between them: forward [m], left, up [lengths of the head]
+EYES = (0.387, 0.0, 0.64)  # between them: forward, left, up [lengths of the head]
 SIDES = {"right": -1.0, "left": 1.0}
 
 # Range [deg], torque limit [N m] (joint torque bounds of the BSD-licensed human.urdf),
@@ -242,23 +242,26 @@ class _Builder:
 
     def _head(self, trunk: Any) -> None:
         segment, length = self.person.head, self.person.head.length
+        # A head that is large for its body, as a child's, is mostly skull.
+        k = length / MALE.head.length
+        f = k**0.5
         head = trunk.add_body(name="head", pos=[0.0, 0.0, self.person.waist_length])
         self._joints(head, ("neck_z", "neck_x", "neck_y"))
-        _inertial(head, segment.mass, (0.005, 0, length - segment.com), segment.inertia)
+        _inertial(head, segment.mass, (0.005 * k, 0, length - segment.com), segment.inertia)
         r = 0.325 * length
         crown = length - r
-        self._capsule(head, "cranium", (-0.018, 0, crown), (0.022, 0, crown), r, SKIN)
-        self._capsule(
-            head, "face", (0.040, 0, crown - 0.02), (0.050, 0, 0.34 * length), 0.052, SKIN
-        )
-        self._capsule(head, "neck", (-0.005, 0, 0.02), (0.0, 0, 0.40 * length), 0.047, SKIN)
+        self._capsule(head, "cranium", (-0.018 * k, 0, crown), (0.022 * k, 0, crown), r, SKIN)
+        mouth = (0.050 * k, 0, 0.34 * length)
+        self._capsule(head, "face", (0.040 * k, 0, crown - 0.02 * k), mouth, 0.052 * f, SKIN)
+        throat = (-0.005 * k, 0, 0.02 * k)
+        self._capsule(head, "neck", throat, (0.0, 0, 0.40 * length), 0.047 * f, SKIN)
         for name, pos, size, color in (
-            ("nose", (0.104, 0, 0.53 * length), 0.013, SKIN),
-            ("right_eye", (EYES[0], -0.026, EYES[2] * length), 0.010, DARK),
-            ("left_eye", (EYES[0], 0.026, EYES[2] * length), 0.010, DARK),
+            ("nose", (0.050 * k + 0.054 * f, 0, 0.53 * length), 0.013, SKIN),
+            ("right_eye", (EYES[0] * length, -0.026 * k, EYES[2] * length), 0.010, DARK),
+            ("left_eye", (EYES[0] * length, 0.026 * k, EYES[2] * length), 0.010, DARK),
         ):
-            self._ornament(head, name, pos, size, color)
-        centre = (-0.005, 0.0, crown)
+            self._ornament(head, name, pos, size * k, color)
+        centre = (-0.005 * k, 0.0, crown)
         for name, direction in (
             ("head.back", (-1, 0, 0.1)),
             ("head.back_right", (-1, -0.48, -0.42)),
@@ -337,7 +340,7 @@ class _Builder:
         mujoco.mju_mat2Quat(quat, rotation.ravel())
         hand.add_site(
             name=f"{side}_palm",
-            pos=[0.0, -s * half, -0.45 * ha.length],
+            pos=[0.0, -s * half, -PALM * ha.length],
             quat=quat,
             size=[0.006, 0.006, 0.006],
             group=4,

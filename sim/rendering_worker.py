@@ -3,6 +3,7 @@
 import json
 import sys
 import textwrap
+from bisect import bisect_right
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,11 @@ from sim.recording import Recording
 Picture = NDArray[np.uint8]
 TRAIL_COLORS = ((0.86, 0.33, 0.16, 0.9), (0.10, 0.55, 0.42, 0.9))
 CAPTION = 44  # height [pixels]
+THICK = 0.004  # radius of the way of a palm, as a share of what is shown
+SHAPES = (  # of a model, what a body changes that becomes another one
+    *("body_pos", "body_quat", "geom_pos", "geom_quat", "geom_size", "geom_rbound"),
+    *("site_pos", "site_quat", "jnt_pos"),
+)
 DIFFERENT = 24.0  # of 255: pixels that differ by more show something that moved
 
 
@@ -26,6 +32,8 @@ class Camera:
 
     def __init__(self, recording: Recording, view: tuple[float, float], size: list[int]) -> None:
         self.recording, self.model = recording, recording.model
+        self._models = [mujoco.MjModel.from_xml_string(xml) for _, xml in recording.models]
+        self._shown = 0
         self._data = mujoco.MjData(self.model)
         self.model.vis.global_.offwidth = max(self.model.vis.global_.offwidth, size[0])
         self.model.vis.global_.offheight = max(self.model.vis.global_.offheight, size[1])
@@ -56,7 +64,16 @@ class Camera:
         drawn = np.abs(way - shots[-1]).max(axis=2, keepdims=True) > DIFFERENT
         return np.where(drawn, way, whole).astype(np.uint8)
 
+    def _become(self, row: int) -> None:
+        """Give what is drawn the shapes of the model that was run in a row."""
+        which = bisect_right([first for first, _ in self.recording.models], row) - 1
+        if which != self._shown:
+            for part in SHAPES:
+                getattr(self.model, part)[:] = getattr(self._models[which], part)
+            self._shown = which
+
     def _set(self, row: int) -> None:
+        self._become(row)
         self._data.qpos[:] = self.recording.qpos[row]
         mujoco.mj_kinematics(self.model, self._data)
         mujoco.mj_camlight(self.model, self._data)
@@ -65,6 +82,7 @@ class Camera:
     def _draw_trail(self, site: str, first: int, last: int, rgba: tuple[float, ...]) -> None:
         points = []
         for row in range(first, last + 1, 8):
+            self._become(row)
             self._data.qpos[:] = self.recording.qpos[row]
             mujoco.mj_kinematics(self.model, self._data)
             points.append(self._data.site(site).xpos.copy())
@@ -77,7 +95,7 @@ class Camera:
             mujoco.mjv_initGeom(
                 geom, kind, np.zeros(3), np.zeros(3), np.zeros(9), np.array(rgba, np.float32)
             )
-            mujoco.mjv_connector(geom, kind, 0.005, start, end)
+            mujoco.mjv_connector(geom, kind, THICK * self.model.stat.extent, start, end)
             scene.ngeom += 1
 
 

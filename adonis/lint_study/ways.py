@@ -9,7 +9,7 @@ from adonis.dancing import random_start
 from adonis.judging import judge
 from adonis.lint_study.drawing import CALM, MARKS, Case, has, posture, run, timed
 from primitives import GoToPoint, Place, Primitive, ViaPlace, ViaPosture
-from sim import Body, clearances
+from sim import Body, clearance, clearances
 from specs import BoundTask, Finding, lint_task
 
 LOOK_EVERY = 3  # rows from one look at the distances to the next
@@ -42,7 +42,7 @@ def _way(body: Body, seed: int) -> tuple[BoundTask, Sequence[Finding]]:
         task = timed(body, _beside(body, rng), CALM)
         task = replace(task, start=random_start(body, task.start, 1, int(rng.integers(1 << 30)))[0])
         task.start[left] = body.home[left]
-        if body.clearance(task.start) <= 0.0:
+        if clearance(body, task.start) <= 0.0:
             continue
         if not has(found := lint_task(task), "out-of-reach", "inside-body", "too-fast"):
             return task, found

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from primitives import GoToPoint, ViaPlace
-from sim import Body, Detour, reach
+from sim import Body, Detour, axes_of, reach
 
 FloatArray = NDArray[np.float64]
 
@@ -72,13 +72,22 @@ class Family:
         return does.model_copy(update=more)
 
 
-def family(detour: Detour, does: GoToPoint, body: Body) -> Family:
-    """The ways near a detour that kinematics found for a go-to-point."""
+def family(detour: Detour, does: GoToPoint, body: Body, start: FloatArray) -> Family:
+    """The ways near a detour that kinematics found for a go-to-point.
+
+    Args:
+        detour: that was found.
+        does: the go-to-point.
+        body: whose arm it is.
+        start: posture (nq,) of the whole body in which the way begins.
+    """
     times = _when(np.array(detour.shares))
     turn = np.zeros(3) if detour.upper_arm is None else detour.upper_arm
     mean = np.concatenate([np.ravel(detour.via), times, turn, np.zeros(3), [does.travel]])
     count = len(detour.via)
-    return Family(count, detour.upper_arm is not None, _facing(does, body), mean, _spreads(count))
+    return Family(
+        count, detour.upper_arm is not None, _facing(does, body, start), mean, _spreads(count)
+    )
 
 
 def settled(one: Family, does: GoToPoint, body: Body, start: FloatArray) -> Family:
@@ -100,15 +109,16 @@ def settled(one: Family, does: GoToPoint, body: Body, start: FloatArray) -> Fami
     return replace(one, mean=mean, turns=True)
 
 
-def near_way(way: GoToPoint, said: GoToPoint, body: Body) -> Family:
+def near_way(way: GoToPoint, said: GoToPoint, body: Body, start: FloatArray) -> Family:
     """The ways near one that was found.
 
     Args:
         way: that was found.
         said: what the task itself says of it.
         body: whose arm it is.
+        start: posture (nq,) of the whole body in which the way begins.
     """
-    root, count, facing = body.arm(way.limb).root, len(way.via), _facing(said, body)
+    root, count, facing = body.arm(way.limb).root, len(way.via), _facing(said, body, start)
     via = [body.to_link(root, np.array(via.point)) for via in way.via]
     times = [via.at for via in way.via]
     turn = np.zeros(3) if way.upper_arm is None else body.direction(way.upper_arm)
@@ -119,13 +129,14 @@ def near_way(way: GoToPoint, said: GoToPoint, body: Body) -> Family:
     return Family(count, way.upper_arm is not None, facing, mean, CLOSER * _spreads(count))
 
 
-def _facing(does: GoToPoint, body: Body) -> FloatArray | None:
-    """Which way a palm faces, if it may be tilted: not if the task says it, or a limb turns it."""
-    goal = does.palm_goal(body)
+def _facing(does: GoToPoint, body: Body, start: FloatArray) -> FloatArray | None:
+    """Which way a palm faces, if it may be tilted: not if the task says it."""
+    goal, root = does.palm_goal(body), body.arm(does.limb).root
     if does.palm is not None or goal.normal is None:
         return None
-    limbs = [joint for limb in body.map.limbs for joint in body.joints(limb)]
-    return None if body.ancestors[goal.place.link][limbs].any() else goal.normal
+    link = goal.place.link
+    facing = axes_of(body, start, link) @ body.to_link(link, goal.normal)
+    return body.from_link(root, axes_of(body, start, root).T @ facing)
 
 
 def _unit(vector: FloatArray) -> FloatArray:

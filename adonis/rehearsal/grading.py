@@ -117,7 +117,7 @@ def grade(
     way = way_gone(body, arm, goal, palm[rows], postures[rows])
     cost += way.cost + FAST * float(speed(palm, recording.timestep).max())
     cost += BENT * _bent(body, postures[-1], arm.dofs)
-    passes = all(m.success for m in (*reached, *judgement.checks))
+    passes = all(measure.success for measure in measures)
     comfortable = passes and bool((shares <= AMPLE).all()) and way.clearance > 0.0
     return Grade(passes, comfortable, cost)
 

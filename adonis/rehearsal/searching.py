@@ -82,7 +82,8 @@ class Search:
         self._try([known.does])
         again, self._does = self._tried, said
         if known.does.via and not self._grade.comfortable:
-            self._narrow(*self._round(near_way(known.does, said, self._body), FIRST))
+            near = near_way(known.does, said, self._body, self._scene.qpos)
+            self._narrow(*self._round(near, FIRST))
         elif not self._grade.passes:
             self._search()
         tried = known.tried + self._tried - again
@@ -93,7 +94,7 @@ class Search:
         body, arm = self._body, self._body.arm(self._does.limb)
         goal, start = self._does.palm_goal(body), self._scene.qpos
         detours = [find_way(body, start, arm, goal, counts=(count,)) for count in VIAS]
-        families = [family(detour, self._does, body) for detour in detours]
+        families = [family(detour, self._does, body, start) for detour in detours]
         families += [settled(one, self._does, body, start) for one in families]
         tried = [self._round(one, FIRST) for one in families]
         for one, rows, costs in sorted(tried, key=lambda t: float(t[2].min())):

@@ -24,7 +24,7 @@ EARLY = 1e-9  # [s] for rounding
 class Scene:
     """The moment before a sub-task begins."""
 
-    subtask: str
+    subtask: str  # none, at the opening of a task
     time: float  # [s]
     qpos: FloatArray  # (nq,)
     physics: Moment  # where to go on from: this moment, or the beginning if there is no place
@@ -68,6 +68,13 @@ class Walk:
             self._arbiter.go_on_from(scene.place)
 
 
+def opening(task: BoundTask) -> Scene:
+    """The moment before a task begins."""
+    world = World(task.body)
+    world.reset(task.start)
+    return Scene("", 0.0, task.start, world.moment(), None)
+
+
 def play(
     variants: Sequence[BoundTask],
     scene: Scene,
@@ -95,9 +102,9 @@ def play(
         for arbiter in arbiters:
             arbiter.go_on_from(scene.place)
     planned = variants[0].graph.planned
-    over = planned[scene.subtask][1] - EARLY
+    over = planned[scene.subtask][1] - EARLY if alone else np.inf
     for arbiter in arbiters:
-        arbiter.hold_back([name for name, when in planned.items() if alone and when[0] >= over])
+        arbiter.hold_back([name for name, when in planned.items() if when[0] >= over])
     states = [world.state.of_one(i) for i in range(n)]
     recorder = Recorder(body, n, about=about(variants[0], 0))
     nobody = np.zeros((n, 0), dtype=np.int32)

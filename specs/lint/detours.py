@@ -11,11 +11,13 @@ from specs.lint.finding import point
 from specs.lint.move import Move, led_by
 from specs.lint.together import Together
 from specs.lint.touching import distances, looked
+from specs.tolerances import size_of
 
 Via = dict[str, Any] | None  # as a task file writes it
 
-ROOM, APART = 0.015, 0.15  # [m] left by a way round, but for so much of its time at either end
-FARTHEST = (0.08, 0.16, 0.24, 0.32)  # [m] of a via point from the middle of the way
+# [m] left by a way round on Adonis, but for so much of its time at either end
+ROOM, APART = 0.015, 0.15
+FARTHEST = (0.08, 0.16, 0.24, 0.32)  # [m] of a via point from the middle of the way, on Adonis
 OUTWARDS = (  # forward, to the arm's own side, up
     *((1, 0, 0), (1, 1, 0), (0, 1, 0), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
     *((1, 0, -1), (1, 1, -1), (0, 0, 1), (1, -1, 0)),
@@ -56,7 +58,7 @@ def _leads_there(move: Move, together: Together) -> bool:
     left = distances(move, seen, together)
     share = seen.time[looked(len(seen.time))] / seen.travel
     inner = left[(share > APART) & (share < 1.0 - APART)]
-    return bool(left.min() >= 0.0 and inner.min() > ROOM)
+    return bool(left.min() >= 0.0 and inner.min() > ROOM * size_of(move.body))
 
 
 def _via_places(move: Move, does: GoToPoint) -> Iterator[tuple[str, GoToPoint]]:
@@ -69,7 +71,7 @@ def _via_places(move: Move, does: GoToPoint) -> Iterator[tuple[str, GoToPoint]]:
     for far in FARTHEST:
         for ahead, aside, up in OUTWARDS:
             way = np.array([ahead, aside * side, up], dtype=float)
-            x, y, z = np.round(middle + far * way / np.linalg.norm(way), 2).tolist()
+            x, y, z = np.round(middle + far * size_of(body) * way / np.linalg.norm(way), 2).tolist()
             via = ViaPlace(point=(x, y, z))
             yield point((x, y, z)), does.model_copy(update={"via": (via,)})
 

@@ -17,7 +17,7 @@ from specs.lint.together import Together
 from specs.lint.touching import touches
 
 SPARE = 1.05  # of the shortest time that is foreseen
-AMPLE = 4.0  # for anything that can be done at all, or twice the given one [s]
+AMPLE = 4.0  # for anything that Adonis can do at all, or twice the given one [s]
 HALVINGS = 6
 
 
@@ -72,7 +72,7 @@ def shortest_time(move: Move, together: Together) -> float:
 
 def _longest(move: Move) -> float:
     """The longest time that is tried [s]."""
-    return max(AMPLE, 2.0 * move.duration)
+    return max(AMPLE * move.body.map.time_scale, 2.0 * move.duration)
 
 
 def _narrowed(move: Move, fails: float, good: float, together: Together | None = None) -> float:

@@ -19,7 +19,7 @@ from sim import (
 )
 from specs.binding import BoundTask
 from specs.lint.move import from_posture
-from specs.tolerances import TOUCH_BEFORE_NEXT as MISS
+from specs.tolerances import TOUCH_BEFORE_NEXT, size_of
 
 ANGLE = 1e-3  # [rad] as good as at home
 SAMPLES, ROUNDS = 256, 12  # postures that are tried at once, and how often the search narrows
@@ -43,14 +43,14 @@ def best(task: BoundTask, does: GoToPoint, away: set[int], pressed: str) -> Best
     if between & away:
         return 0.0, None
     touched = body.link(pressed) if pressed else -1
-    least, where = np.inf, None
+    least, where, allowed = np.inf, None, TOUCH_BEFORE_NEXT * size_of(body)
     for normal in _facings(body, does, goal):
         miss, there, posture = nearest(body, arm, goal, normal, touched)
-        if miss <= MISS and not body.is_free(posture):
+        if miss <= allowed and not body.is_free(posture):
             miss, there = held_there(body, does, normal, posture)
         if miss < least:
             least, where = miss, there
-        if least <= MISS:
+        if least <= allowed:
             break
     return least, where
 

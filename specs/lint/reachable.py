@@ -8,7 +8,7 @@ from specs.binding import BoundTask
 from specs.lint.finding import Finding, Places, cm, point
 from specs.lint.move import Move
 from specs.lint.nearest import Best, best, moved_from_home
-from specs.tolerances import TOUCH_BEFORE_NEXT as MISS
+from specs.tolerances import TOUCH_BEFORE_NEXT, size_of
 
 
 def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list[Finding]:
@@ -16,9 +16,9 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
 
     A movement that is foreseen to come to the goal needs no further search.
     """
-    arrive = {move.name for move in moves if move.short(move.foreseen) <= MISS}
     body, found = task.body, []
-    away = moved_from_home(task)
+    away, allowed = moved_from_home(task), TOUCH_BEFORE_NEXT * size_of(body)
+    arrive = {move.name for move in moves if move.short(move.foreseen) <= allowed}
     known: dict[object, tuple[float, str, Best]] = {}
     for name in task.graph.order:
         does = task.graph.subtasks[name].does
@@ -29,9 +29,10 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
         key = arm.name, repr(does.to), does.palm
         if key not in known:
             sunk, link = _inside(body, arm, goal, away)
-            known[key] = sunk, link, (0.0, None) if sunk > MISS else best(task, does, away, link)
+            fits = (0.0, None) if sunk > allowed else best(task, does, away, link)
+            known[key] = sunk, link, fits
         sunk, link, (miss, nearest) = known[key]
-        if sunk > MISS:
+        if sunk > allowed:
             found.append(
                 places.finding(
                     "error", "inside-body", name,
@@ -40,7 +41,7 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
                     "to", depth=sunk, link=link,
                 )
             )  # fmt: skip
-        elif miss > MISS:
+        elif miss > allowed:
             said = "bring the goal nearer, or let the waist help"
             if nearest is not None:
                 said = f"the nearest place that it reaches is {point(nearest)}"

@@ -5,7 +5,7 @@ import numpy as np
 from primitives import GetPosture, GoToPoint
 from primitives.primitive import FloatArray
 from sim import Arm, Body, axes_of, origin, places_of
-from specs.tolerances import ANGLE, PALM_ANGLE, TOUCH_AT_END, TOUCH_BEFORE_NEXT
+from specs.tolerances import ANGLE, PALM_ANGLE, TOUCH_AT_END, TOUCH_BEFORE_NEXT, size_of
 
 LOOKS = 8  # times that the direction of an arm that is held is looked at
 
@@ -19,7 +19,7 @@ def missed(body: Body, does: GetPosture | GoToPoint, postures: FloatArray) -> fl
         postures: (h, nq) from the end of the sub-task to that of the holding.
     """
     if isinstance(does, GoToPoint):
-        first, last = (short_of(body, does, q) for q in (postures[0], postures[-1]))
+        first, last = (short_of(body, does, q) / size_of(body) for q in (postures[0], postures[-1]))
         return max(first / TOUCH_AT_END, last / TOUCH_BEFORE_NEXT)
     worst = 0.0
     for dof, angle in asked_angles(body, does).items():

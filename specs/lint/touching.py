@@ -9,8 +9,9 @@ from primitives.primitive import FloatArray
 from sim import Foreseen, clearances
 from specs.lint.move import Move
 from specs.lint.together import Together
+from specs.tolerances import size_of
 
-BRUSH = 0.002  # [m] of depth that is not told
+BRUSH = 0.002  # [m] of depth that is not told, on Adonis
 LOOKS = 60  # postures of a movement that are looked at, at most
 
 
@@ -36,7 +37,7 @@ def clash(move: Move, together: Together) -> Clash | None:
         depth, begins = -float(free.min()), max(0.0, -float(free[0]))
         if (
             distance.min() < 0.0
-            and depth > begins + BRUSH
+            and depth > begins + BRUSH * size_of(move.body)
             and (worst is None or depth > worst.depth)
         ):
             rows = looked(len(move.foreseen.time))

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 from adonis.cli import app
 from adonis.dancing import run_task
 from adonis.judging import judge
+from adonis.keeping import read_kept
 from adonis.rehearsal import keeping, searching
 from adonis.rehearsal.keeping import rehearsed, task_text
 from adonis.rehearsal.rehearsing import rehearse
@@ -105,7 +106,7 @@ def test_what_comes_later_is_held_back(body: Body) -> None:
     task = bind_task(task_from_text(TEXT)[0], body)
     scene = Walk(task).next({"nape"})
     assert scene is not None
-    (part,) = play([task], scene, 1.2)
+    (part,) = play([task], scene, 1.2, alone=True)
     assert part is not None
     assert [s.outcome for s in part.spans] == ["done", "pending"]
 
@@ -156,9 +157,10 @@ def test_what_is_known_is_not_looked_for_again(
 def test_a_damaged_cache_is_none(cache: Path) -> None:
     spec, _ = task_from_text(TEXT)
     file = cache / "bad.json"
+    assert read_kept(file) is None
     for text in ("", "[]", "{}", '{"nape": 3}', '{"nape": {"does": {}, "grade": {}, "tried": 1}}'):
         file.write_text(text)
-        assert keeping._read(file, spec) == {}
+        assert keeping._ways_in(read_kept(file), spec) == {}
 
 
 def test_ways_are_written_beside_the_comments(found: dict[str, Rehearsed]) -> None:

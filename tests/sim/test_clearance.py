@@ -2,7 +2,7 @@
 
 import pytest
 
-from sim import Body, clearances, depth_inside
+from sim import Body, clearance, clearances, depth_inside
 
 
 def test_depth_and_clearance_of_the_same_place_agree(body: Body) -> None:
@@ -16,4 +16,4 @@ def test_depth_and_clearance_of_the_same_place_agree(body: Body) -> None:
     assert depth_inside(body, body.home, outside, ["head", "trunk"]) == (0.0, "")
     pairs = body.map.keep_apart
     least = clearances(body, body.home[None], pairs).min()
-    assert least == pytest.approx(body.clearance(body.home), abs=1e-9)
+    assert least == pytest.approx(clearance(body, body.home), abs=1e-9)
