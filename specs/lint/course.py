@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from primitives import CompensateGravity, GoToPoint, Hold, Oscillate
-from primitives.parameters import BACKGROUND_SETTLING
+from primitives.parameters import background_settling
 from primitives.posture_field import PostureField
 from primitives.primitive import Field, FloatArray, IntArray
 from sim import Body, moving_dofs
@@ -26,7 +26,7 @@ def planned_moves(task: BoundTask) -> list[Move]:
     moves: list[Move] = []
     posture = task.start.copy()
     over: list[tuple[float, IntArray, FloatArray]] = [  # what is still to come true
-        (BACKGROUND_SETTLING, field.claims, field.goal[field.claims])
+        (background_settling(body), field.claims, field.goal[field.claims])
         for field in task.background
         if isinstance(field, PostureField)
     ]
@@ -61,7 +61,7 @@ def planned_moves(task: BoundTask) -> list[Move]:
 def _settling(task: BoundTask) -> FloatArray:
     """Where the background wants the joints as it settles (NODES, nv) [rad]; NaN where nowhere."""
     body, wanted = task.body, np.full((NODES, task.body.nv), np.nan)
-    times = np.linspace(0.0, BACKGROUND_SETTLING, NODES)
+    times = np.linspace(0.0, background_settling(body), NODES)
     for field in task.background:
         if isinstance(field, PostureField):
             dofs = field.claims

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from primitives import GetPosture, GoToPoint
-from primitives.parameters import BACKGROUND_SETTLING
+from primitives.parameters import background_settling
 from primitives.posture_field import PostureField
 from primitives.primitive import Field, FloatArray, IntArray
 from primitives.reach_field import ReachField
@@ -145,7 +145,8 @@ def move_of(
     else:
         return None
     foresight = Foresight(
-        body, field.claims, start, springs, servos(body, every, wanted), BACKGROUND_SETTLING,
+        body, field.claims, start, springs, servos(body, every, wanted),
+        background_settling(body),
         scene.carried, _giving(body, field.claims),
     )  # fmt: skip
     foreseen = foresight.in_time(travel, duration + hold, min(hand_over, duration), shy)
