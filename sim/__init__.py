@@ -15,10 +15,12 @@ from sim.errors import (
     unknown,
 )
 from sim.extending import extended, halfway, renamed
+from sim.foreseeing import Foreseen, Foresight, moved
 from sim.gains import Gains, firmer, mean_hand, mean_joint, scaled_gains, spring_laws
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
+from sim.hand_springs import HandPath, HandSprings
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
-from sim.lag import Haste, Lag
+from sim.kinematics import axes_of, origin, places_of, turned
 from sim.laws import Law
 from sim.likeness import Likeness, likeness
 from sim.morphing import between, person_named
@@ -38,16 +40,7 @@ from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
 from sim.scaling import scaled
-from sim.spring_way import (
-    HandPath,
-    Springs,
-    axes_of,
-    origin,
-    palm_jacobian,
-    places_of,
-    spring_way,
-    turned,
-)
+from sim.springs import JointSprings, Springs
 from sim.state import State
 from sim.way import Detour, Way, find_way, straight_way, way_gone
 from sim.world import BareWorld, Moment, Push, World
@@ -71,15 +64,17 @@ __all__ = [
     "Closest",
     "Detour",
     "Diverged",
+    "Foreseen",
+    "Foresight",
     "Frame",
     "Gains",
     "Gaze",
     "Guard",
     "HandPath",
-    "Haste",
+    "HandSprings",
     "Head",
     "Inertias",
-    "Lag",
+    "JointSprings",
     "Law",
     "Likeness",
     "Limb",
@@ -123,9 +118,9 @@ __all__ = [
     "mean_hand",
     "mean_joint",
     "minimum_jerk_profile",
+    "moved",
     "moving_dofs",
     "origin",
-    "palm_jacobian",
     "person",
     "person_named",
     "person_of",
@@ -140,7 +135,6 @@ __all__ = [
     "scaled_gains",
     "site_paths",
     "spring_laws",
-    "spring_way",
     "straight_motion",
     "straight_way",
     "turned",

@@ -11,11 +11,14 @@ from specs.binding import BoundTask
 from specs.conditions import Condition
 from specs.graph import OTHERWISE, WHILE
 from specs.lint.finding import Finding, Places, cm
-from specs.lint.reachable import miss_itself, moved_from_home, nearest
+from specs.lint.nearest import miss_itself, moved_from_home, nearest
 from specs.task import SubTask
+from specs.tolerances import size_of
 
 Holds = Literal["never", "always", "perhaps"]
-SPARE = 0.005  # [m] that is left to a condition that is called impossible
+# [m] that is left to a condition that is called impossible, on Adonis: inverse kinematics is so
+# exact, and the search for what a palm misses on its own arm.
+SPARE, SPARE_ITSELF = 0.005, 0.001
 
 
 def never_begins(task: BoundTask, places: Places) -> list[Finding]:
@@ -47,15 +50,15 @@ def _judged(task: BoundTask, condition: Condition) -> tuple[Holds, str]:
     where, shoulder = body.at_home(mark.link, mark.point), body.at_home(arm.upper_arm, _ORIGIN)
     apart = moving_dofs(body, mark.link) ^ moving_dofs(body, arm.root)
     if apart & set(arm.dofs.tolist()):
-        least = miss_itself(body, arm, mark)
-        return ("never", _at_best(least)) if distance < least - SPARE else ("perhaps", "")
+        least, spare = miss_itself(body, arm, mark), SPARE_ITSELF * size_of(body)
+        return ("never", _at_best(least)) if distance < least - spare else ("perhaps", "")
     if apart & moved_from_home(task):
         return "perhaps", ""
     most = float(np.linalg.norm(where - shoulder)) + body.reach(arm)
     if distance > most:
         return "always", f"the palm is never farther from it than {cm(most)}"
-    least, _ = nearest(body, arm, mark, None)
-    return ("never", _at_best(least)) if distance < least - SPARE else ("perhaps", "")
+    (least, _, _), spare = nearest(body, arm, mark, None), SPARE * size_of(body)
+    return ("never", _at_best(least)) if distance < least - spare else ("perhaps", "")
 
 
 _ORIGIN: FloatArray = np.zeros(3)
