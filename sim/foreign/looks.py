@@ -1,0 +1,72 @@
+"""What a link looks like: its meshes, coarse enough to travel inside a recording."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.foreign.surface import IntArray, Shape
+
+FloatArray = NDArray[np.float64]
+
+FINEST = 0.006  # cells in which corners of a mesh become one [m]
+CELLS = 16  # of those, across the size of a shape
+COLOURS = 3  # of a link at most; the smaller shapes take the colour of the largest
+DARKEST = 0.15  # black shows no shape
+DECIMALS = 4  # of coordinates [m]
+
+
+@dataclass(frozen=True)
+class Look:
+    """A mesh of one colour, in the frame of its link."""
+
+    points: FloatArray  # (k, 3) [m]
+    faces: IntArray  # (f, 3)
+    rgba: tuple[float, ...]
+
+
+def looks_of(shapes: list[Shape]) -> list[Look]:
+    """The shapes of a link, coarsened, with one mesh for each colour."""
+    by_colour: dict[tuple[float, ...], list[tuple[FloatArray, IntArray]]] = {}
+    for shape in shapes:
+        if shape.rgba[3] < 0.1 or not len(shape.faces):
+            continue
+        colour = tuple(round(DARKEST + (1.0 - DARKEST) * float(c), 2) for c in shape.rgba[:3])
+        by_colour.setdefault(colour, []).append(_coarse(shape.points, shape.faces))
+    largest = sorted(by_colour, key=lambda c: -sum(len(f) for _, f in by_colour[c]))
+    for extra in largest[COLOURS:]:
+        by_colour[largest[0]] += by_colour.pop(extra)
+    found = []
+    for colour, parts in by_colour.items():
+        faces, offset = [], 0
+        for points, corners in parts:
+            faces.append(corners + offset)
+            offset += len(points)
+        if sum(len(f) for f in faces) >= 4:
+            points = np.round(np.concatenate([p for p, _ in parts]), DECIMALS)
+            found.append(Look(points, np.concatenate(faces).astype(np.int32), (*colour, 1.0)))
+    return found
+
+
+def _coarse(points: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """A mesh whose corners within a cell of a grid are one (Rossignac & Borrel 1993)."""
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    cell = max(FINEST, size / CELLS)
+    keys = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
+    _, owner = np.unique(keys, axis=0, return_inverse=True)
+    owner = owner.reshape(-1)
+    count = int(owner.max()) + 1
+    total = np.zeros((count, 3))
+    np.add.at(total, owner, points)
+    merged = total / np.bincount(owner, minlength=count)[:, None]
+    corners = owner[faces]
+    whole = (
+        (corners[:, 0] != corners[:, 1])
+        & (corners[:, 1] != corners[:, 2])
+        & (corners[:, 2] != corners[:, 0])
+    )
+    corners = corners[whole]
+    _, first = np.unique(np.sort(corners, axis=1), axis=0, return_index=True)
+    corners = corners[np.sort(first)]
+    used, place = np.unique(corners, return_inverse=True)
+    return merged[used], place.reshape(-1, 3).astype(np.int32)
