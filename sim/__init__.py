@@ -14,6 +14,10 @@ from sim.errors import (
     unknown,
 )
 from sim.extending import extended, halfway
+from sim.foreign.body_file import BodyFile
+from sim.foreign.building import build_body
+from sim.foreign.proposal import Proposal, body_name, propose
+from sim.foreign.reading import Source, read_model
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
 from sim.lag import Haste, Lag
@@ -54,6 +58,7 @@ __all__ = [
     "BeyondRange",
     "Body",
     "BodyError",
+    "BodyFile",
     "BodyMap",
     "Capsules",
     "Closest",
@@ -72,6 +77,7 @@ __all__ = [
     "NoDisplay",
     "PalmGoal",
     "Poses",
+    "Proposal",
     "Push",
     "Recorder",
     "Recording",
@@ -79,6 +85,7 @@ __all__ = [
     "Replay",
     "Servo",
     "SimError",
+    "Source",
     "Span",
     "Spot",
     "Spring",
@@ -88,6 +95,8 @@ __all__ = [
     "World",
     "adonis",
     "axes_of",
+    "body_name",
+    "build_body",
     "carrier",
     "clearances",
     "depth_inside",
@@ -107,7 +116,9 @@ __all__ = [
     "places_of",
     "planar_arm",
     "pose",
+    "propose",
     "reach",
+    "read_model",
     "render_filmstrip",
     "render_video",
     "site_paths",

@@ -10,18 +10,12 @@ from sim.adonis_character import EYES, JOINTS, SIDES, build_adonis
 from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.body import Body
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
+from sim.briskness import DAMPING_RATIO, FREQUENCY, SPEED
 from sim.errors import BodyError, unknown
 
 WAIST = ("waist_z", "waist_x", "waist_y")
 NECK = ("neck_z", "neck_x", "neck_y")
 ARM = ("shoulder_y", "shoulder_x", "shoulder_z", "elbow", "wrist_z", "wrist_x", "wrist_y")
-
-# Natural frequency [Hz] of each joint's servo, carrying the inertia that it moves, and the
-# damping ratio of all: how briskly a person holds a posture. The gains follow from the body.
-FREQUENCY = {"waist": 3.0, "neck": 3.5, "shoulder": 3.0, "elbow": 4.0, "wrist": 6.0}
-DAMPING_RATIO = 0.8
-# Largest speed of each joint [deg/s], which the safety filter keeps. Chosen here, from no source.
-SPEED = {"waist": 250.0, "neck": 500.0, "shoulder": 800.0, "elbow": 900.0, "wrist": 1200.0}
 
 SPRING = Spring(
     stiffness=1500.0,

@@ -14,9 +14,9 @@ import numpy as np
 
 from sim.adonis_character import JOINTS, SKIN
 from sim.anthropometry import MALE, Anthropometry, Segment
-from sim.bodies import DAMPING_RATIO, FREQUENCY
 from sim.body import Body
 from sim.body_map import BodyMap, Servo
+from sim.briskness import DAMPING_RATIO, FREQUENCY
 
 RANGES = {"shoulder": (-40.0, 140.0), "elbow": (0.0, 150.0)}  # [deg]
 LIKE = {"shoulder": "shoulder_y", "elbow": "elbow"}  # whose motor, armature and damping

@@ -3,6 +3,8 @@
 from specs.amending import amended
 from specs.available import available_primitives, primitives_in
 from specs.binding import BoundTask, bind_task
+from specs.body_loading import find_body, is_body_file, read_body_file, source_of
+from specs.body_writing import body_text
 from specs.claims import claims_of
 from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
@@ -38,17 +40,22 @@ __all__ = [
     "amended",
     "available_primitives",
     "bind_task",
+    "body_text",
     "build_graph",
     "claims_of",
+    "find_body",
     "find_task",
+    "is_body_file",
     "library",
     "lint_task",
     "load_task",
     "load_variant",
     "primitives_in",
+    "read_body_file",
     "reference",
     "refusal",
     "set_values",
+    "source_of",
     "task_from_text",
     "task_schema",
     "task_to_yaml",

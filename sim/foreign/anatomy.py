@@ -137,9 +137,7 @@ def _easiest(
     return min(options, key=lambda hanging: hanging.strain)
 
 
-def _mirror(
-    tree: Tree, one: ArmAnatomy, other: ArmAnatomy, frame: Frame
-) -> list[float] | None:
+def _mirror(tree: Tree, one: ArmAnatomy, other: ArmAnatomy, frame: Frame) -> list[float] | None:
     """For each joint of an arm whether it turns as that of the other in a mirror, or against it.
 
     Returns:

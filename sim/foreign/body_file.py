@@ -10,12 +10,11 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from sim.body_map import Angle, NonNegative, Positive, Spring
+from sim.briskness import DAMPING_RATIO, FREQUENCY
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Place = tuple[Number, Number, Number]
 Word = Annotated[str, Field(min_length=1)]
-
-FREQUENCY = {"waist": 3.0, "neck": 3.5, "shoulder": 3.0, "elbow": 4.0, "wrist": 6.0}
 
 
 class _Frozen(BaseModel):
@@ -100,7 +99,7 @@ class BodyFile(_Frozen):
     locked: dict[Word, Number] = {}  # where other joints stay [deg or m]; else as at home
     masses: dict[Word, Positive] = {}  # of links that the model gives none [kg]
     frequency: dict[Word, Positive] = FREQUENCY  # of the joints' servos [Hz]
-    damping_ratio: Positive = 0.8
+    damping_ratio: Positive = DAMPING_RATIO
     postures: dict[Word, dict[Word, Angle]] = {}  # joint -> angle [deg]
     home: Word = "rest"
     landmarks: dict[Word, LandmarkOf] = {}

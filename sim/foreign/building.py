@@ -5,6 +5,7 @@ motor for each, capsules that collide, coarse meshes that are looked at. Everyth
 model (free joints, its actuators, equalities, tendons, sensors) stays behind.
 """
 
+from collections.abc import Mapping
 from itertools import combinations, product
 from typing import Any
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from sim.adonis_character import FRICTION, SOFTNESS
 from sim.body import Body
 from sim.body_map import BodyMap, Head, Limb
+from sim.briskness import SPEED
 from sim.errors import BodyError
 from sim.foreign.body_file import BodyFile, ShapeOf
 from sim.foreign.gains import hand_spring, servos
@@ -52,7 +54,7 @@ def build_body(
     """
     layout = lay_out(Tree(source), file)
     spec = build_spec(layout, file, limits=limits, contacts=contacts)
-    return Body(spec, body_map(layout, file, spec))
+    return Body(spec, body_map(layout, file, spec, source.speeds))
 
 
 def build_spec(
@@ -120,7 +122,9 @@ class _Builder:
         mass, centre, inertia = self._weight(link)
         given = self.file.masses.get(link.name)
         if given is None and link.joints and mass < 2.0 * LEAST_MASS:
-            raise BodyError(f"the link {link.name!r} has no mass in the model: give it one in masses")
+            raise BodyError(
+                f"the link {link.name!r} has no mass in the model: give it one in masses"
+            )
         for joint in link.joints:
             self._joint(body, joint, link.origin)
         looks = looks_of(self._shapes_of(link)) if self.looks else []
@@ -316,25 +320,27 @@ def excluded(layout: Layout, file: BodyFile) -> set[tuple[str, str]]:
         return (parents[a] == b and b not in fixed) or (parents[b] == a and a not in fixed)
 
     return {
-        (a, b)
-        for a, b in pairs
-        if a != b and a in names and b in names and not neighbours(a, b)
+        (a, b) for a, b in pairs if a != b and a in names and b in names and not neighbours(a, b)
     }
 
 
-def body_map(layout: Layout, file: BodyFile, spec: Any) -> BodyMap:
-    """The names of a body, and its gains by rule."""
+def body_map(layout: Layout, file: BodyFile, spec: Any, known: Mapping[str, float]) -> BodyMap:
+    """The names of a body, and its gains by rule.
+
+    Args:
+        layout: of its links.
+        file: what it says.
+        spec: its model.
+        known: largest speeds of joints of the old model [rad/s].
+    """
     model = spec.compile()
     limbs: dict[str, Limb] = {}
-    parts = {name: "waist" for name in file.waist} | {name: "neck" for name in file.neck}
-    speeds: dict[str, float] = {}
-    for link in layout.links:
-        speeds |= {j.name: j.said.speed for j in link.joints if j.said.speed is not None}
+    parts = dict.fromkeys(file.waist, "waist") | dict.fromkeys(file.neck, "neck")
     for name, limb in file.limbs.items():
         joints = [joint_name(limb.side, joint) for joint in limb.joints]
         bend = joints.index(f"{limb.side}_elbow")
-        parts |= {j: "shoulder" for j in joints[:bend]} | {joints[bend]: "elbow"}
-        parts |= {j: "wrist" for j in joints[bend + 1 :]}
+        parts |= dict.fromkeys(joints[:bend], "shoulder") | {joints[bend]: "elbow"}
+        parts |= dict.fromkeys(joints[bend + 1 :], "wrist")
         side = limb.side
         limbs[name] = Limb(
             side=side,
@@ -347,6 +353,13 @@ def body_map(layout: Layout, file: BodyFile, spec: Any) -> BodyMap:
             palm=f"{side}_palm",
             spring=limb.spring or hand_spring(model, joints, bend, f"{side}_palm"),
         )
+    speeds = {
+        j.name: j.said.speed
+        or float(np.rad2deg(known.get(j.said.joint, 0.0)))
+        or SPEED[parts[j.name]]
+        for link in layout.links
+        for j in link.joints
+    }
     head = None
     turning = ("neck",) if file.neck else ("waist",) if file.waist else ()
     if file.head is not None and turning:
@@ -386,11 +399,7 @@ def kept_apart(layout: Layout, file: BodyFile) -> tuple[tuple[str, str], ...]:
     for one, other in combinations(outer, 2):
         pairs += list(product(one, other))
     never = excluded(layout, file)
-    return tuple(
-        pair
-        for pair in pairs
-        if {*pair} <= solid and (min(pair), max(pair)) not in never
-    )
+    return tuple(pair for pair in pairs if {*pair} <= solid and (min(pair), max(pair)) not in never)
 
 
 def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.foreign.body_file import FREQUENCY, BodyFile, JointOf
+from sim.briskness import DAMPING_RATIO, FREQUENCY
+from sim.foreign.body_file import BodyFile, JointOf
 from sim.foreign.building import anatomical_range, build_spec, volume
 from sim.foreign.gains import half_out, moved_inertia
 from sim.foreign.layout import Layout, joint_name
@@ -27,7 +28,6 @@ GRAVITY = 9.81  # [m/s^2]
 STRONG, WEAKEST = 3.0, 1.0  # torque over what holds the load; and at least [N m]
 MOVED, ROTOR = 0.04, 0.004  # armature: of the inertia moved, and [kg m^2]
 DRAG = 0.08  # damping, of that of the servo
-DAMPING_RATIO = 0.8
 DENSITY = 1000.0  # [kg/m^3]
 HALF_TURN = (-180.0, 180.0)  # [deg]
 
@@ -99,9 +99,7 @@ def _with(file: BodyFile, filled: dict[str, dict[str, Any]]) -> BodyFile:
     """The file with more said of joints, by their names in the model."""
 
     def more(joints: dict[str, JointOf]) -> dict[str, JointOf]:
-        return {
-            name: of.model_copy(update=filled.get(of.joint, {})) for name, of in joints.items()
-        }
+        return {name: of.model_copy(update=filled.get(of.joint, {})) for name, of in joints.items()}
 
     limbs = {
         name: limb.model_copy(update={"joints": more(limb.joints)})

@@ -63,7 +63,9 @@ class Layout:
 
     tree: Tree
     axes: FloatArray  # (3, 3): takes vectors of the old world to forward, left, up
-    shift: FloatArray  # (3,) what is added then: feet on the floor, shoulders on either side of 0 [m]
+    shift: (
+        FloatArray  # (3,) what is added then: feet on the floor, shoulders on either side of 0 [m]
+    )
     links: tuple[Link, ...]
     arms: dict[str, ArmAnatomy]  # by limb
     sides: dict[str, float]  # by limb: +1 left, -1 right
@@ -166,9 +168,7 @@ def _with_hands(layout: Layout) -> Layout:
         side = "left" if layout.sides[name] > 0 else "right"
         _, elbow, wrist = layout.places(name)
         forearm = layout.link(f"{side}_forearm")
-        hand = Link(
-            f"{side}_hand", forearm.name, wrist, forearm.bodies, (), beyond=wrist - elbow
-        )
+        hand = Link(f"{side}_hand", forearm.name, wrist, forearm.bodies, (), beyond=wrist - elbow)
         links.insert(links.index(forearm) + 1, hand)
         chains[name] = (*chains[name], hand.name)
     return Layout(**{**vars(layout), "links": tuple(links), "chains": chains})
@@ -188,9 +188,7 @@ def _links(
     for body in range(tree.model.nbody):
         whole.setdefault(carrier(body), []).append(body)
     for body in sorted({BASE, *moving}):
-        joints = tuple(
-            _joint(layout, j, *named[j]) for j in tree.joints_on(body) if j in named
-        )
+        joints = tuple(_joint(layout, j, *named[j]) for j in tree.joints_on(body) if j in named)
         parent = carrier(int(tree.model.body_parentid[body])) if body != BASE else BASE
         found.append(
             Link(
@@ -306,9 +304,7 @@ def joint_name(side: str, name: str) -> str:
     return f"{side}_{name}" if side and name in ARM_JOINTS else name
 
 
-def _angles(
-    tree: Tree, file: BodyFile, named: dict[int, tuple[str, JointOf]]
-) -> dict[str, float]:
+def _angles(tree: Tree, file: BodyFile, named: dict[int, tuple[str, JointOf]]) -> dict[str, float]:
     """Where all joints are, in the model's own sense [rad or m]."""
     angles = {}
     for name, value in file.locked.items():

@@ -6,9 +6,7 @@ It knows no Collada and no STL in words, and takes the first group of an OBJ for
 import struct
 from pathlib import Path
 
-import collada
 import numpy as np
-from collada.common import DaeError
 from numpy.typing import NDArray
 
 HEADER = 80  # bytes of a binary STL before the number of its triangles
@@ -51,6 +49,9 @@ def stl_of_collada(path: Path, *, honour_up: bool = False) -> bytes | None:
 
     Some tools honour the upward axis of the file, some do not, and models are made for either.
     """
+    import collada  # noqa: PLC0415  (only models that have such meshes need it)
+    from collada.common import DaeError  # noqa: PLC0415
+
     try:
         scene = collada.Collada(str(path), ignore=[DaeError])
     except (DaeError, OSError, ValueError, AttributeError, KeyError, SyntaxError):

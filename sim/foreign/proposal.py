@@ -70,8 +70,10 @@ def propose(source: Source, name: str, model: str) -> Proposal:
     file = fill_masses(layout, file.model_copy(update={"shapes": shapes}))
     if unseen:
         notes["shapes",] = f"guessed without a surface: {', '.join(unseen)}"
-    for link in file.masses:
-        notes["masses", link] = "guessed: the model gives it none; its shapes at 1000 kg/m^3"
+    if file.masses:
+        notes["masses",] = (
+            "guessed, since the model gives none: shapes at 1000 kg/m^3, else a trifle"
+        )
     file, filled = fill_joints(layout, file)
     layout = lay_out(tree, file)
     file = _with_palms(layout, anatomy, file)
@@ -188,9 +190,7 @@ def _with_palms(layout: Layout, anatomy: Anatomy, file: BodyFile) -> BodyFile:
     return file.model_copy(update={"limbs": limbs})
 
 
-def _palm_point(
-    layout: Layout, model: object, arm: Arm, limb: str, side: str
-) -> FloatArray:
+def _palm_point(layout: Layout, model: object, arm: Arm, limb: str, side: str) -> FloatArray:
     """The middle of a palm (3,) in the frame of the hand."""
     hand = layout.link(f"{side}_hand")
     points = surface_of(layout, hand)
@@ -224,14 +224,15 @@ def _notes(
     against = f"; against: {', '.join(facing.against)}" if facing.against else ""
     doubt = "" if facing.sure else "DOUBTFUL: look at the picture. "
     notes["base", "forward"] = f"{doubt}guessed by {heard}{against}"
-    notes["base", "up"] = "guessed: the arms are above the legs" if anatomy.parts.legs else "guessed"
+    notes["base", "up"] = "guessed: from legs to arms" if anatomy.parts.legs else "guessed"
     notes["base", "height"] = "guessed: its lowest point is on the floor"
     for arm in anatomy.arms:
         limb = f"{SIDES[arm.side]}_arm"
         notes["limbs", limb, "palm"] = f"guessed: {arm.palm.why}"
         if not hangs:
             notes["limbs", limb, "joints"] = "this arm cannot hang straight within its limits"
-    notes["filled",] = "; ".join(f"{name}: {', '.join(what)}" for name, what in filled.items())
+    for joint, what in filled.items():
+        notes["joint", joint] = f"guessed: {', '.join(what)}"
     return notes
 
 

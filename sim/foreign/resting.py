@@ -128,9 +128,7 @@ def _contacts(model: Any, data: Any) -> list[tuple[tuple[str, str], float]]:
     mujoco.mj_collision(model, data)
     found = []
     for k in range(data.ncon):
-        one, other = (
-            model.body(model.geom_bodyid[g]).name for g in data.contact.geom[k]
-        )
+        one, other = (model.body(model.geom_bodyid[g]).name for g in data.contact.geom[k])
         found.append(((min(one, other), max(one, other)), float(data.contact.dist[k])))
     return found
 

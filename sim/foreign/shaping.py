@@ -108,9 +108,7 @@ def _flipped(capsule: Capsule, aside: FloatArray) -> Capsule:
     return (start + aside) * FLIP - aside, (end + aside) * FLIP - aside, radius
 
 
-def _fitted_to_both_sides(
-    layout: Layout, link: Link, parts: list[FloatArray]
-) -> list[Capsule]:
+def _fitted_to_both_sides(layout: Layout, link: Link, parts: list[FloatArray]) -> list[Capsule]:
     """Capsules of a trunk or a head, the same left and right."""
     aside = link.origin * [0.0, 1.0, 0.0]  # from the plane between left and right
     found: list[Capsule] = []
@@ -191,9 +189,7 @@ def _end_of(layout: Layout, link: Link) -> FloatArray:
     return shoulders - link.origin
 
 
-def _mirrored(
-    layout: Layout, found: dict[str, list[Capsule]]
-) -> dict[str, list[Capsule]]:
+def _mirrored(layout: Layout, found: dict[str, list[Capsule]]) -> dict[str, list[Capsule]]:
     """The left arm has the capsules of the right one in a mirror, where those fit as well."""
     if len(layout.arms) < 2:
         return found

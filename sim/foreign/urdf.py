@@ -12,6 +12,7 @@ from sim.foreign.mesh_files import has_y_up, readable
 
 SIZES = ("radius", "length", "size")  # of boxes, cylinders and spheres
 
+
 @dataclass
 class Urdf:
     """A URDF, ready for MuJoCo, and what MuJoCo would not tell of it."""
@@ -44,7 +45,9 @@ def read_urdf(path: Path, turned: Collection[Path] = ()) -> Urdf:
     if root.tag != "robot":
         raise BodyError(f"{path}: expected a URDF, whose root is <robot>, not <{root.tag}>")
     if any(element.tag.startswith("{http://www.ros.org/wiki/xacro}") for element in root.iter()):
-        raise BodyError(f"{path}: this is a xacro: expand it first, `xacro {path.name} > robot.urdf`")
+        raise BodyError(
+            f"{path}: this is a xacro: expand it first, `xacro {path.name} > robot.urdf`"
+        )
     urdf = Urdf("")
     for joint in root.findall("joint"):
         name = joint.get("name", "")
