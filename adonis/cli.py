@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from adonis.arguments import BAD_INPUT, FAILED, bind, classes, given_path, read, refuse
+from adonis.body_commands import body_app
 from adonis.options import (
     INTERRUPTED,
     AfreshOption,
@@ -169,15 +170,15 @@ def check(
     Ends with 2 if the task makes no sense, 1 if there is an error, 0 if at most warnings.
     """
     from adonis.linting import findings_json, print_findings, print_plan
-    from sim import BodyError, load_body
-    from specs import SpecError, bind_task, lint_task, refusal
+    from sim import BodyError
+    from specs import SpecError, bind_task, find_body, lint_task, refusal
 
     kinds = classes(primitives)
     if explain and not as_json:
         print_explanation(task)
     try:
         spec, document = read(task, tempo, kinds)
-        bound = bind_task(spec, load_body(body), document)
+        bound = bind_task(spec, find_body(body), document)
     except (BodyError, SpecError) as problem:
         if as_json and isinstance(problem, SpecError):
             typer.echo(findings_json([refusal(problem)]))
@@ -257,6 +258,7 @@ def schema(
 
 for command in (translate, words, trials, compare, bench):
     app.command()(command)
+app.add_typer(body_app, name="body")
 
 
 def main() -> None:

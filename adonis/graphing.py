@@ -8,12 +8,13 @@ from rich.console import Console
 from adonis.timeline import timeline
 from adonis.timeline_text import print_timeline
 from primitives import Primitive
-from sim import Recording, load_body
+from sim import Recording
 from specs import (
     SpecError,
     bind_task,
     build_graph,
     claims_of,
+    find_body,
     library,
     load_task,
     task_from_text,
@@ -60,5 +61,5 @@ def print_graph(
     if style == "timeline":
         print_timeline(Console(), timeline(build_graph(spec, document), recording))
         return
-    bound = bind_task(spec, load_body(body), document)
+    bound = bind_task(spec, find_body(body), document)
     print(PRINTERS[style](bound.graph, claims_of(bound)), end="")

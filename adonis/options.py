@@ -12,7 +12,12 @@ INTERRUPTED = 130  # the exit code that shells use
 TaskArgument = Annotated[
     str, typer.Argument(metavar="TASK", help="A task of the library (see `adonis list`) or a file.")
 ]
-BodyOption = Annotated[str, typer.Option("--body", metavar="NAME", help="Body that does it.")]
+BodyOption = Annotated[
+    str,
+    typer.Option(
+        "--body", metavar="BODY", help="Body that does it: a name of `adonis list` or a body file."
+    ),
+]
 TempoOption = Annotated[
     float | None,
     typer.Option("--tempo", metavar="BPM", help="Beats per minute instead of the task's own."),

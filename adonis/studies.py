@@ -95,8 +95,8 @@ def compare(
     from adonis.dancing import Stopped
     from adonis.errors import InputError, OutputError
     from adonis.performing import perform_comparison
-    from sim import SimError, load_body
-    from specs import SpecError
+    from sim import SimError
+    from specs import SpecError, find_body
 
     spec, _ = load(task, None, primitives)
     names = DANCERS if controllers is None else tuple(n.strip() for n in controllers.split(","))
@@ -104,7 +104,7 @@ def compare(
     try:
         perform_comparison(
             task,
-            load_body(body),
+            find_body(body),
             wished or Path("runs") / f"{spec.task}-compared",
             dancers=names,
             human=known_human(spec.task) if human is None else load_human(human),

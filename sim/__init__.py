@@ -29,6 +29,7 @@ from sim.motions import (
     straight_motion,
 )
 from sim.planar_arm import planar_arm
+from sim.portrait import render_portrait
 from sim.posing import ArmWords, pose
 from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
@@ -120,6 +121,7 @@ __all__ = [
     "reach",
     "read_model",
     "render_filmstrip",
+    "render_portrait",
     "render_video",
     "site_paths",
     "spring_way",

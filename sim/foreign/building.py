@@ -254,7 +254,7 @@ class _Builder:
     # --- collisions --------------------------------------------------------------------------
 
     def _collisions(self) -> None:
-        """Neighbours overlap by design; the elbow half of an upper arm is put back against the trunk."""
+        """Neighbours overlap by design; elbow halves of upper arms are put back against the trunk."""
         apart = excluded(self.layout, self.file)
         for one, other in sorted(apart):
             self.spec.add_exclude(bodyname1=one, bodyname2=other)
@@ -415,7 +415,12 @@ def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
     return moments.tolist(), quat.tolist()
 
 
+def _degrees(speed: float | None) -> float:
+    return 0.0 if speed is None else float(np.rad2deg(speed))
+
+
 def volume(shape: ShapeOf) -> float:
+    """Volume of a capsule [m^3]."""
     length = float(np.linalg.norm(np.subtract(shape.end, shape.start)))
     return float(np.pi * shape.radius**2 * (length + 4.0 / 3.0 * shape.radius))
 

@@ -34,7 +34,7 @@ class Facing:
 
     @property
     def sure(self) -> bool:
-        """Whether the witnesses that agree outweigh the others, and are not the convention alone."""
+        """Whether those that agree outweigh the others, and are not the convention alone."""
         ours, theirs = (sum(WEIGHTS[w] for w in who) for who in (self.witnesses, self.against))
         return ours > WEIGHTS["x is forward"] and ours >= SURE * (ours + theirs)
 

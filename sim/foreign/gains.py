@@ -1,6 +1,6 @@
 """Gains by rule: as brisk and as well damped as Adonis, by the inertia that a joint or hand moves.
 
-A joint's servo has the natural frequency of its part and one damping ratio (see `sim.briskness`). The
+A joint's servo has the natural frequency of its part and one damping ratio (`sim.briskness`). The
 springs of a hand have, against the inertia that the hand feels, the frequencies and damping
 that Adonis' have against his:
 

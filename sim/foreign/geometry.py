@@ -36,7 +36,7 @@ def nearest_on_line(
 
 
 def turn_about(axis: FloatArray, start: FloatArray, end: FloatArray) -> float:
-    """Angle [rad] about an axis that turns `start` into the direction of `end`, as seen along it."""
+    """Angle [rad] about an axis that turns `start` into the direction of `end`, seen along it."""
     a, b = (v - axis * (v @ axis) for v in (start, end))
     return float(np.arctan2(np.cross(a, b) @ axis, a @ b))
 

@@ -1,7 +1,7 @@
 """How an arm hangs straight down, palm to the thigh: the posture in which all its angles are zero.
 
-Found by least squares over the joints of the arm: upper arm and fingers down, the elbow straight and
-bending forward, the palm inward; what that leaves open stays near home, and turns shoulder
+Found by least squares over the joints of the arm: upper arm and fingers down, the elbow straight
+and bending forward, the palm inward; what that leaves open stays near home, and turns shoulder
 axes along or across the body.
 """
 
@@ -129,9 +129,10 @@ class _Problem:
 
     def stay_near(self, angles: Mapping[str, float]) -> FloatArray:
         """Take other angles for home; returns them (j,)."""
-        self._home = np.array([angles[self.tree.joint_name(j)] for j in self.arm.joints])
-        self._home[self._bend] = self._bent
-        return self._home
+        home: FloatArray = np.array([angles[self.tree.joint_name(j)] for j in self.arm.joints])
+        home[self._bend] = self._bent
+        self._home = home
+        return home
 
     def set(self, q: FloatArray) -> None:
         self.tree.data.qpos[self._places] = q
@@ -140,7 +141,7 @@ class _Problem:
     def misses(self) -> list[FloatArray]:
         """Differences of directions from those wanted, as the tree is posed now."""
         tree, arm, down = self.tree, self.arm, self._down
-        shoulder, elbow, wrist = arm.places(tree)
+        shoulder, _, wrist = arm.places(tree)
         bends = arm.flexion * tree.axis(arm.elbow)
         hand = tree.data.xmat[arm.hand].reshape(3, 3)
         # Upper arm and forearm together, since an elbow may lie beside the line.

@@ -7,6 +7,7 @@ nobody names stay where they are, and what they carried becomes part of what car
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,11 +144,18 @@ def lay_out(tree: Tree, file: BodyFile) -> Layout:
     for name, arm in arms.items():
         chains[name] = tuple(called.get(link, tree.name(link)) for link in arm.links)
     half = Layout(
-        tree, frame.axes, _shift(tree, frame, list(arms.values()), file.base.height), (), arms, sides, chains,
-        tuple(file.waist), tuple(file.neck),
-        called.get(carrier(_body(tree, file.head.link)), "") if file.head else "",
-    )  # fmt: skip
-    links = _merged(half, _links(half, file, named, moving, carrier, called))
+        tree=tree,
+        axes=frame.axes,
+        shift=_shift(tree, frame, list(arms.values()), file.base.height),
+        links=(),
+        arms=arms,
+        sides=sides,
+        chains=chains,
+        waist=tuple(file.waist),
+        neck=tuple(file.neck),
+        head=called.get(carrier(_body(tree, file.head.link)), "") if file.head else "",
+    )
+    links = _merged(half, _links(half, named, moving, carrier, called))
     found = Layout(**{**vars(half), "links": tuple(links)})
     return _with_hands(found)
 
@@ -176,7 +184,6 @@ def _with_hands(layout: Layout) -> Layout:
 
 def _links(
     layout: Layout,
-    file: BodyFile,
     named: dict[int, tuple[str, JointOf]],
     moving: set[int],
     carrier: Callable[[int], int],
@@ -203,17 +210,18 @@ def _links(
 
 
 def _merged(layout: Layout, links: list[Link]) -> list[Link]:
-    """Links without mass and shape, which only stand between two hinges, become one with the next."""
+    """Links without mass and shape, which only stand between hinges, become one with the next."""
     kept = {"trunk", "pelvis", "head"}
     kept |= {f"{side}_{part}" for side in ("left", "right") for part in ARM_LINKS}
     result: list[Link] = []
     waiting: dict[str, Link] = {}
-    for link in links:
-        if link.parent in waiting:
-            before = waiting.pop(link.parent)
+    for own in links:
+        link = own
+        if own.parent in waiting:
+            before = waiting.pop(own.parent)
             link = Link(
-                link.name, before.parent, link.origin,
-                (*before.bodies, *link.bodies), (*before.joints, *link.joints),
+                own.name, before.parent, own.origin,
+                (*before.bodies, *own.bodies), (*before.joints, *own.joints),
             )  # fmt: skip
         carried = [other for other in links if other.parent == link.name]
         if _is_empty(layout, link) and len(carried) == 1 and link.name not in kept:
@@ -300,7 +308,7 @@ def _named_joints(tree: Tree, file: BodyFile) -> dict[int, tuple[str, JointOf]]:
 
 
 def joint_name(side: str, name: str) -> str:
-    """The name of a joint in the new model: an arm's anatomical ones say the side, `right_elbow`."""
+    """The name of a joint in the new model: anatomical ones of an arm say its side."""
     return f"{side}_{name}" if side and name in ARM_JOINTS else name
 
 
@@ -320,7 +328,7 @@ def _angles(tree: Tree, file: BodyFile, named: dict[int, tuple[str, JointOf]]) -
 def _check_chain(tree: Tree, joints: Sequence[int], limb: str) -> None:
     """The joints of a limb follow each other from the trunk outwards."""
     links = list(dict.fromkeys(int(tree.model.jnt_bodyid[j]) for j in joints))
-    for inner, outer in zip(links, links[1:], strict=False):
+    for inner, outer in pairwise(links):
         body = outer
         while body not in (inner, BASE):
             body = int(tree.model.body_parentid[body])

@@ -1,7 +1,7 @@
 """Where landmarks are: rays cast from inside at the capsules, by the proportions of the body.
 
-Heights are measured from the shoulders down in lengths of upper arm and forearm, breadths from side to side
-in distances of the shoulders, so that the same words mean the same places on any body.
+Heights are measured from the shoulders down in lengths of upper arm and forearm, breadths in
+distances of the shoulders, so that the same words mean the same places on any body.
 """
 
 from dataclasses import dataclass
@@ -62,7 +62,8 @@ class Marker:
         self.height, self.middle = float(middle[2]), np.array([middle[0], 0.0, 0.0])
         sides = [abs(float(s[1])) for s in self.shoulders]
         self.half = float(np.mean(sides)) or 0.3 * self.arm
-        self.hip = hips + CREST * self.arm if hips is not None else self.height - HIP * self.arm
+        by_legs = -np.inf if hips is None else hips + CREST * self.arm
+        self.hip = max(by_legs, self.height - HIP * self.arm)
         on_arms = {name for chain in layout.chains.values() for name in chain}
         self.core = [n for n in self.names if n not in on_arms and n != "head"]
 
@@ -113,7 +114,7 @@ class Marker:
         return hit.point if hit is not None else place
 
     def _shoulder(self, s: float) -> Hit | None:
-        """The top of the trunk beside the neck, as far out as it goes; else of what carries the arm."""
+        """The top of the trunk beside the neck, far out, or of what carries the arm."""
         least = self.height - SLOPE * self.arm
         for share in (SHOULDER, 0.52, 0.42, 0.32):
             origin = np.array([self.middle[0], s * share * self.half, least])
@@ -174,7 +175,7 @@ class Marker:
         return found
 
     def _head_box(self, head: str) -> tuple[FloatArray, FloatArray] | None:
-        """Lowest and highest corner of a head; of one that is part of the trunk what is above it."""
+        """Lowest and highest corner of a head; if it is part of the trunk, of what is high up."""
         ends = self._ends([head])
         if head == "trunk":
             ends = ends[ends[:, 2] > head_from(self.layout)]
@@ -184,7 +185,7 @@ class Marker:
         return ends.min(axis=0), ends.max(axis=0)
 
     def _inside(self, height: float, share: float) -> FloatArray:
-        """A point inside the body at a height, so far to a side, of half the distance of the shoulders."""
+        """A point inside the body at a height, so far to a side, of half its breadth."""
         ends = self._ends(self.core)
         near = ends[np.abs(ends[:, 2] - height) < 0.25 * self.arm]
         half = min(float(np.abs(near[:, 1]).max(initial=0.0)), self.half) or self.half

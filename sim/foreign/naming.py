@@ -1,7 +1,7 @@
 """What joints of a model are called in anatomy: by the way their axes lie when the arms hang.
 
-A joint is `shoulder_y` if, with the arms hanging, it turns about the axis about which Adonis' shoulder
-flexes, in this sense or the other. What lies askew to all of them keeps its own name.
+A joint is `shoulder_y` if, with the arms hanging, it turns about the axis about which Adonis'
+shoulder flexes, in this sense or the other. What lies askew to all of them keeps its own name.
 """
 
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 """Which links of a model are its trunk, arms, head and legs: by how it branches and what it weighs.
 
-Two long chains alike that branch off one link are a pair; of two pairs the higher one are arms. What
-leads from the base to where the arms branch off is the waist, what goes up from there beside
+Two long chains alike that branch off one link are a pair; of two pairs the higher one are arms.
+What leads from the base to where the arms branch off is the waist, what goes up from there beside
 them the neck. Names are heard last, as evidence among others.
 """
 

@@ -83,14 +83,18 @@ def propose(source: Source, name: str, model: str) -> Proposal:
     core = dict.fromkeys((*file.waist, *file.neck), 0.0)
     postures = {"upright": clipped(compiled, core), "rest": clipped(compiled, angles | core)}
     marks = _landmarks(layout, compiled, anatomy)
-    update = {"postures": postures, "may_overlap": overlapping, "landmarks": marks}
+    update: dict[str, object] = {
+        "postures": postures,
+        "may_overlap": overlapping,
+        "landmarks": marks,
+    }
     if file.head is not None:
         eyes = Marker(layout, compiled, None).eyes(layout.head)
         if eyes is not None:
             eyes = eyes - layout.link(layout.head).origin
             update["head"] = file.head.model_copy(update={"eyes": _place(eyes)})
     file = file.model_copy(update=update)
-    return Proposal(file, notes | _notes(anatomy, filled, hangs), _said(tree, anatomy, file))
+    return Proposal(file, notes | _notes(anatomy, filled, hangs), _said(tree, file))
 
 
 def _anatomical(
@@ -219,7 +223,8 @@ def _notes(
     anatomy: Anatomy, filled: dict[str, list[str]], hangs: bool
 ) -> dict[tuple[str, ...], str]:
     """What to say beside the parts of the file."""
-    facing, notes = anatomy.facing, {}
+    facing = anatomy.facing
+    notes: dict[tuple[str, ...], str] = {}
     heard = ", ".join(facing.witnesses)
     against = f"; against: {', '.join(facing.against)}" if facing.against else ""
     doubt = "" if facing.sure else "DOUBTFUL: look at the picture. "
@@ -236,7 +241,7 @@ def _notes(
     return notes
 
 
-def _said(tree: Tree, anatomy: Anatomy, file: BodyFile) -> list[str]:
+def _said(tree: Tree, file: BodyFile) -> list[str]:
     """What was done to the model as a whole."""
     named = {of.joint for of in (*file.waist.values(), *file.neck.values())}
     named |= {of.joint for limb in file.limbs.values() for of in limb.joints.values()}

@@ -66,7 +66,7 @@ def read_model(path: Path) -> Source:
 
 
 def _of_urdf(path: Path) -> tuple[Urdf, Any, list[str]]:
-    """Compile a URDF; a Collada mesh with y upward is turned if it fits the link's mass better so."""
+    """Compile a URDF; a Collada mesh with y upward is turned if that fits its link better."""
     plain = read_urdf(path)
     model, notes = _from_text(plain)
     files = set().union(*plain.y_up.values())

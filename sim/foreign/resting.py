@@ -1,4 +1,4 @@
-"""The rest posture of a body: arms hanging at ease, away from the trunk; and what touches anyhow."""
+"""The rest posture of a body: arms hang at ease, away from the trunk; and what touches anyhow."""
 
 from typing import Any
 
@@ -35,7 +35,7 @@ def rest_posture(
     """
     spec = build_spec(layout, file, looks=False)
     model = spec.compile()
-    always = _often_together(model, layout)
+    always = _often_together(model)
     best: tuple[float, dict[str, float], list[tuple[str, str]]] | None = None
     for outward in OUTWARD:
         angles = _angles(layout, _hung(tree, anatomy, outward)) if hangs else _middle(model)
@@ -109,7 +109,7 @@ def _touching(
     return deep, sorted(pairs)
 
 
-def _often_together(model: Any, layout: Layout) -> set[tuple[str, str]]:
+def _often_together(model: Any) -> set[tuple[str, str]]:
     """Links that are in each other in most postures, whatever the arms do."""
     rng, data = np.random.default_rng(0), mujoco.MjData(model)
     limited = model.jnt_limited[:, None] > 0

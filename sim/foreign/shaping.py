@@ -96,7 +96,7 @@ def _of_base(layout: Layout, link: Link, parts: list[FloatArray]) -> list[Capsul
         if twins:
             found += twins[0]
         elif len(near) > ENOUGH * len(part):
-            own = fit_capsules(near, FEW)
+            own = fit_capsules(part, FEW)
             found += own
             done.append((middle * FLIP, [_flipped(capsule, aside) for capsule in own]))
     return found
@@ -178,15 +178,15 @@ def _end_of(layout: Layout, link: Link) -> FloatArray:
     """Where a segment without a surface ends, in its frame."""
     for limb in layout.arms:
         side = "left" if layout.sides[limb] > 0 else "right"
-        shoulder, elbow, wrist = layout.places(limb)
+        _, elbow, wrist = layout.places(limb)
         ends = {"upper_arm": elbow, "forearm": wrist}
         for part, end in ends.items():
             if link.name == f"{side}_{part}":
                 return end - link.origin
         if link.name == f"{side}_hand":
-            return 0.35 * (wrist - elbow)
+            return np.array(0.35 * (wrist - elbow))
     shoulders = np.mean([layout.places(limb)[0] for limb in layout.arms], axis=0)
-    return shoulders - link.origin
+    return np.array(shoulders - link.origin)
 
 
 def _mirrored(layout: Layout, found: dict[str, list[Capsule]]) -> dict[str, list[Capsule]]:

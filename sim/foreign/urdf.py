@@ -1,6 +1,5 @@
 """URDF as MuJoCo wants it: meshes found, Collada made STL, nothing thrown away on the way."""
 
-import math
 import xml.etree.ElementTree as ET
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -10,6 +9,7 @@ from urllib.parse import unquote, urlparse
 from sim.errors import BodyError
 from sim.foreign.mesh_files import has_y_up, readable
 
+FASTEST = 100.0  # what is said to be faster is no limit at all [rad/s]
 SIZES = ("radius", "length", "size")  # of boxes, cylinders and spheres
 
 
@@ -52,7 +52,7 @@ def read_urdf(path: Path, turned: Collection[Path] = ()) -> Urdf:
     for joint in root.findall("joint"):
         name = joint.get("name", "")
         speed = _number(joint, "limit", "velocity")
-        if speed is not None and 0.0 < speed < math.inf:
+        if speed is not None and 0.0 < speed < FASTEST:
             urdf.speeds[name] = speed
         mimic = joint.find("mimic")
         if mimic is not None:
