@@ -28,11 +28,11 @@ def _arms(body: Body) -> list[Lack]:
     names = body.map
     if not names.limbs:
         return [Lack("no arm with shoulder, elbow, wrist and palm", "only get-posture of joints")]
-    found = []
-    for side in ("right", "left"):
-        if f"{side}_arm" not in names.limbs:
-            found.append(Lack(f"no {side} arm", f"sub-tasks of the {side} arm are refused"))
-    return found
+    return [
+        Lack(f"no {side} arm", f"sub-tasks of the {side} arm are refused")
+        for side in ("right", "left")
+        if f"{side}_arm" not in names.limbs
+    ]
 
 
 def _core(body: Body) -> list[Lack]:

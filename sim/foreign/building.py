@@ -254,7 +254,7 @@ class _Builder:
     # --- collisions --------------------------------------------------------------------------
 
     def _collisions(self) -> None:
-        """Neighbours overlap by design; elbow halves of upper arms are put back against the trunk."""
+        """Neighbours overlap by design; elbow halves of upper arms may run into the trunk again."""
         apart = excluded(self.layout, self.file)
         for one, other in sorted(apart):
             self.spec.add_exclude(bodyname1=one, bodyname2=other)

@@ -5,13 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.foreign.surface import IntArray, Shape
+from sim.foreign.surface import IntArray, Shape, hull, spread
 
 FloatArray = NDArray[np.float64]
 
 FINEST = 0.006  # cells in which corners of a mesh become one [m]
 CELLS = 16  # of those, across the size of a shape
 COLOURS = 3  # of a link at most; the smaller shapes take the colour of the largest
+SEEN = 250  # points of a hull that are compared with what it is the hull of
+BULGE = 0.028  # mean distance between them, of its size, up to which it is good enough
 DARKEST = 0.15  # black shows no shape
 DECIMALS = 4  # of coordinates [m]
 
@@ -32,7 +34,8 @@ def looks_of(shapes: list[Shape]) -> list[Look]:
         if shape.rgba[3] < 0.1 or not len(shape.faces):
             continue
         colour = tuple(round(DARKEST + (1.0 - DARKEST) * float(c), 2) for c in shape.rgba[:3])
-        by_colour.setdefault(colour, []).append(_coarse(shape.points, shape.faces))
+        points, faces = _plain(shape)
+        by_colour.setdefault(colour, []).append(_coarse(points, faces))
     largest = sorted(by_colour, key=lambda c: -sum(len(f) for _, f in by_colour[c]))
     for extra in largest[COLOURS:]:
         by_colour[largest[0]] += by_colour.pop(extra)
@@ -46,6 +49,20 @@ def looks_of(shapes: list[Shape]) -> list[Look]:
             points = np.round(np.concatenate([p for p, _ in parts]), DECIMALS)
             found.append(Look(points, np.concatenate(faces).astype(np.int32), (*colour, 1.0)))
     return found
+
+
+def _plain(shape: Shape) -> tuple[FloatArray, IntArray]:
+    """The hull of a shape, if that is nearly what it looks like: it has no holes and no inside."""
+    from scipy.spatial import cKDTree  # noqa: PLC0415  (not at import)
+
+    whole = hull(shape.points)
+    if whole is None or len(shape.faces) < len(whole[1]):
+        return shape.points, shape.faces
+    outside = spread([Shape(*whole, shape.rgba, shape.collides)], SEEN)
+    surface = spread([shape], 8 * SEEN)
+    apart, _ = cKDTree(surface).query(outside)
+    size = float(np.linalg.norm(np.ptp(shape.points, axis=0)))
+    return whole if np.mean(apart) < BULGE * size else (shape.points, shape.faces)
 
 
 def _coarse(points: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:

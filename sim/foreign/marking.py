@@ -32,6 +32,7 @@ HEAD = {
     "head.left": (0.0, 1.0, 0.0),
     "head.front": (1.0, 0.0, 0.35),
 }
+SKULL = 0.6  # of its breadth, from the top of a head to its middle
 EYES = 0.64  # of the height of the head
 
 
@@ -165,8 +166,10 @@ class Marker:
         box = self._head_box(head) if head else None
         if box is None:
             return {}
-        centre = 0.5 * (box[0] + box[1])
-        centre[1] = 0.0
+        low, high = box
+        broad = float(max(high[:2] - low[:2]))
+        centre = 0.5 * (low + high) * [1.0, 0.0, 1.0]
+        centre[2] = max(centre[2], high[2] - SKULL * broad)  # without the neck
         found: dict[str, Hit | None] = {}
         for name, way in HEAD.items():
             hit = self._cast(centre, way, [head, *self.core])
