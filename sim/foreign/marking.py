@@ -17,8 +17,11 @@ from sim.landmarks import Ray, leave
 
 FloatArray = NDArray[np.float64]
 
-SHOULDER = 0.62  # of half the distance of the shoulders: the middle of their tops
-SLOPE = 0.25  # of the arm: the trunk is the top of a shoulder if it is no farther below the joint
+# Where the top of a shoulder is looked for: on the trunk and on what carries the arm, so far out of
+# the middle, of the joint; and so far above or below the joint, of the arm.
+TRUNK, BESIDE = (0.62, 0.52, 0.42, 0.32), (0.62, 0.8, 1.0)
+LEVEL, SLOPE = 0.2, 0.3
+UPWARD = 0.4  # of its normal
 RIBS, CHEST, BELLY, HIP = 0.35, 0.16, 0.55, 0.857  # below the shoulders, of the arm
 CREST = 0.084  # of the arm: so far above the hip joint is the place of a hand on the hip
 BREAST = 0.5  # of half the distance of the shoulders: where rays to the sides begin
@@ -116,21 +119,17 @@ class Marker:
 
     def _shoulder(self, s: float) -> Hit | None:
         """The top of the trunk beside the neck, far out, or of what carries the arm."""
-        least = self.height - SLOPE * self.arm
-        for share in (SHOULDER, 0.52, 0.42, 0.32):
-            origin = np.array([self.middle[0], s * share * self.half, least])
-            hit = self._cast(origin, (0.15, 0.0, 1.0), self.core)
-            if hit is not None and hit.point[2] > least:
-                return hit
-        for limb, side in self.layout.sides.items():
-            if side == s:
-                chain = self.layout.chains[limb]
-                carrying = [n for n in chain if not n.endswith(("upper_arm", "forearm", "hand"))]
-                shoulder = self.layout.places(limb)[0]
-                for share in (SHOULDER, 0.8, 1.0):
-                    origin = shoulder * [1.0, share, 1.0]
-                    hit = self._cast(origin, (0.15, 0.0, 1.0), carrying)
-                    if hit is not None:
+        limb = next(limb for limb, side in self.layout.sides.items() if side == s)
+        joint = self.layout.places(limb)[0]
+        own = ("upper_arm", "forearm", "hand")
+        carrying = [n for n in self.layout.chains[limb] if not n.endswith(own)]
+        for low, flat in ((0.5 * LEVEL, UPWARD), (SLOPE, 0.0)):
+            for links, shares in ((self.core, TRUNK), (carrying, BESIDE)):
+                for share in shares:
+                    origin = joint * [1.0, share, 1.0] - [0.0, 0.0, SLOPE * self.arm]
+                    hit = self._cast(origin, (0.15, 0.0, 1.0), links)
+                    above = -np.inf if hit is None else (hit.point[2] - joint[2]) / self.arm
+                    if hit is not None and -low < above < LEVEL and hit.normal[2] > flat:
                         return hit
         return None
 

@@ -89,7 +89,7 @@ def _pairs(tree: Tree) -> list[tuple[int, ...]]:
         long = [
             child
             for child in tree.children[link]
-            if tree.length(child) > LONG * longest and len(_chain(tree, child)) >= FEWEST
+            if tree.length(child) > LONG * longest and _joints(tree, child) >= FEWEST
         ]
         for child in long:  # with all that are like it: the four legs of a horse
             group = (child, *(other for other in long if _alike(tree, child, other)))
@@ -100,7 +100,7 @@ def _pairs(tree: Tree) -> list[tuple[int, ...]]:
 
 def _alike(tree: Tree, one: int, other: int) -> bool:
     """Whether two chains have the same joints, length and mass."""
-    if len(_chain(tree, one)) != len(_chain(tree, other)):
+    if _joints(tree, one) != _joints(tree, other):
         return False
     for measure in (tree.length, tree.mass_below):
         a, b = measure(one), measure(other)
@@ -141,12 +141,12 @@ def _higher(
 
 def _lonely(tree: Tree) -> tuple[int, ...]:
     """A single arm: the longest chain."""
-    roots = [link for link in tree.links if len(_chain(tree, link)) >= FEWEST]
+    roots = [link for link in tree.links if _joints(tree, link) >= FEWEST]
     starts = [link for link in roots if tree.parent(link) not in roots]
     if not starts:
         raise BodyError(
             f"{tree.source.path}: nothing in this model looks like an arm: expected a chain of at"
-            f" least {FEWEST} moving links"
+            f" least {FEWEST} hinges"
         )
     best = max(starts, key=tree.length)
     if LEG_WORDS.search(words(tree, tree.below(best))) and not ARM_WORDS.search(
@@ -154,6 +154,11 @@ def _lonely(tree: Tree) -> tuple[int, ...]:
     ):
         raise BodyError(f"{tree.source.path}: this model has legs, but nothing looks like an arm")
     return (best,)
+
+
+def _joints(tree: Tree, root: int) -> int:
+    """How many joints a chain has."""
+    return sum(len(tree.joints_on(link)) for link in _chain(tree, root))
 
 
 def _chain(tree: Tree, root: int) -> list[int]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
+COVERED = 0.45  # of the box around what is drawn: what collides fills less of it, and is not used
 ROUND = 12  # points round a cylinder, sphere or capsule
 
 
@@ -41,24 +42,20 @@ def shapes_of(model: Any, body: int) -> list[Shape]:
 
 
 def solid(shapes: list[Shape]) -> list[Shape]:
-    """Those that collide; those that are drawn if none does, or if they are somewhere else."""
+    """Those that collide; those that are drawn if none does, or if they are much more than that."""
     colliding = [shape for shape in shapes if shape.collides]
-    if colliding and not astray(shapes):
-        return colliding
-    return [shape for shape in shapes if not shape.collides] or shapes
+    seen = [shape for shape in shapes if not shape.collides]
+    if not colliding or not seen:
+        return colliding or seen
+    (low, high), (seen_low, seen_high) = _box(colliding), _box(seen)
+    common = np.prod(np.maximum(np.minimum(high, seen_high) - np.maximum(low, seen_low), 0.0))
+    return seen if common < COVERED * np.prod(seen_high - seen_low) else colliding
 
 
-def astray(shapes: list[Shape]) -> bool:
-    """Whether what collides is nowhere near what is drawn: a slip in the model."""
-    boxes = []
-    for collides in (True, False):
-        points = [shape.points for shape in shapes if shape.collides is collides]
-        if not points:
-            return False
-        boxes.append((np.min(np.concatenate(points), axis=0), np.max(np.concatenate(points), 0)))
-    (low, high), (other_low, other_high) = boxes
-    gap = np.maximum(low - other_high, other_low - high).max()
-    return bool(gap > np.linalg.norm(other_high - other_low))
+def _box(shapes: list[Shape]) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest corner (3,) of some shapes."""
+    points = np.concatenate([shape.points for shape in shapes])
+    return points.min(axis=0), points.max(axis=0)
 
 
 def drawn(shapes: list[Shape]) -> list[Shape]:
