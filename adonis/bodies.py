@@ -112,7 +112,7 @@ def _print_joints(console: Console, body: Body, file: BodyFile | None) -> None:
             old[name] = (of.joint + (" flipped" if of.flipped else ""), f"{of.zero:g}")
     table = Table(
         title=body.map.name, title_justify="left", caption_justify="left",
-        caption="range [degrees], torque [N m], servo [N m/rad], fastest [degrees/s]",
+        caption="range in degrees, torque in N m, servo in N m/rad, fastest in degrees/s",
     )  # fmt: skip
     table.add_column("joint", no_wrap=True)
     if file is not None:

@@ -17,10 +17,13 @@ def print_catalogue(console: Console, kinds: Mapping[str, type[Primitive]]) -> N
         spec, _ = load_task(name)
         table.add_row(name, spec.title, str(len(spec.subtasks)))
     console.print(table)
-    table = Table("body", "limbs", "landmarks", title="Bodies", title_justify="left")
+    table = Table(
+        "body", "limbs and joint groups", "landmarks", title="Bodies", title_justify="left"
+    )
     for name in BODIES:
         names = load_body(name).map
-        table.add_row(name, "\n".join(names.limbs), ", ".join(sorted(names.landmarks)))
+        parts = [*names.limbs, *(group for group in names.groups if names.groups[group])]
+        table.add_row(name, "\n".join(parts), ", ".join(sorted(names.landmarks)))
     console.print(table)
     table = Table(
         "primitive", "what it does", "parameters", title="Primitives", title_justify="left"

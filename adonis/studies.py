@@ -12,6 +12,7 @@ from adonis.options import BodyOption, PrimitivesOption, TaskArgument
 
 def trials(
     task: TaskArgument,
+    body: BodyOption = "adonis",
     out: Annotated[
         str | None,
         typer.Option(
@@ -32,7 +33,7 @@ def trials(
     from adonis.errors import OutputError
     from adonis.trials import print_trials, run_trials, write_trials
     from sim import SimError
-    from specs import SpecError
+    from specs import SpecError, find_body
 
     console = Console()
     wished = given_path("--out", out)
@@ -41,8 +42,9 @@ def trials(
     try:
         with console.status("starting") as status:
             rows = run_trials(
-                spec, document, starts=starts, seed=seed, threads=threads, progress=status.update
-            )
+                spec, document, body=find_body(body), starts=starts, seed=seed, threads=threads,
+                progress=status.update,
+            )  # fmt: skip
         write_trials(rows, folder)
     except (OutputError, SimError, SpecError) as problem:
         refuse(problem)

@@ -1,5 +1,6 @@
 """Floor 1: bodies, physics and recordings. The only floor that imports MuJoCo."""
 
+from sim.arm7 import arm7
 from sim.bodies import BODIES, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
@@ -95,6 +96,7 @@ __all__ = [
     "Way",
     "World",
     "adonis",
+    "arm7",
     "axes_of",
     "body_name",
     "build_body",

@@ -80,6 +80,13 @@ def build_adonis(person: Anthropometry, *, limits: bool = True, contacts: bool =
     return _Builder(person, limits, contacts).build()
 
 
+def build_single_arm(
+    person: Anthropometry, side: str, *, limits: bool = True, contacts: bool = True
+) -> Any:
+    """One arm of the character on a pedestal, which is called its trunk, as an `mujoco.MjSpec`."""
+    return _Builder(person, limits, contacts).build_arm(side)
+
+
 class _Builder:
     """Adds the links one by one; every coordinate is in the frame of its link [m]."""
 
@@ -101,6 +108,19 @@ class _Builder:
         for side in SIDES:
             self._arm(trunk, side)
         self._collisions()
+        return self._finished()
+
+    def build_arm(self, side: str) -> Any:
+        self._world()
+        trunk = self.spec.worldbody.add_body(name="trunk", pos=[0.0, 0.0, self.waist_height])
+        self._pedestal(trunk, SIDES[side])
+        self._arm(trunk, side)
+        self.spec.add_exclude(bodyname1="trunk", bodyname2=f"{side}_upper_arm")
+        self.spec.add_exclude(bodyname1=f"{side}_upper_arm", bodyname2=f"{side}_hand")
+        return self._finished()
+
+    def _finished(self) -> Any:
+        """The model with its motors and landmarks."""
         for joint in self.spec.joints:
             self.spec.add_actuator(
                 name=joint.name,
@@ -151,6 +171,18 @@ class _Builder:
             # Where the other hand comes to lie: it cannot face the side from across the body.
             self._landmark(f"{side}_hip.front", pelvis, crest, (1.0, 0.45 * s, 0.15))
         _inertial(pelvis, person.mass * 0.4, (0, 0, -0.3), (1.0, 1.0, 0.3))
+
+    def _pedestal(self, trunk: Any, s: float) -> None:
+        """A column beside the arm, and a bracket that carries it."""
+        y, z = s * self.shoulder[1], self.shoulder[2]
+        inner = y - s * 0.22
+        self._capsule(
+            trunk, "column", (0, inner, -self.waist_height), (0, inner, z), 0.06, TROUSERS
+        )
+        self._capsule(trunk, "bracket", (0, inner, z), (0, y - s * 0.06, z), 0.045, TROUSERS)
+        side = "left" if s > 0 else "right"
+        self._landmark(f"{side}_shoulder.top", trunk, (0, y - s * 0.10, z), (0.30, 0.0, 1.0))
+        self._landmark("chest.front", trunk, (0, inner, z - 0.09), (1, 0, 0))
 
     def _trunk(self) -> Any:
         person, a, b = self.person, self.a, self.b

@@ -8,10 +8,12 @@ import numpy as np
 
 from sim.adonis_character import EYES, JOINTS, SIDES, build_adonis
 from sim.anthropometry import FEMALE, MALE, Anthropometry
+from sim.arm7 import arm7
 from sim.body import Body
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
 from sim.briskness import DAMPING_RATIO, FREQUENCY, SPEED
 from sim.errors import BodyError, unknown
+from sim.planar_arm import planar_arm
 
 WAIST = ("waist_z", "waist_x", "waist_y")
 NECK = ("neck_z", "neck_x", "neck_y")
@@ -88,6 +90,8 @@ def adonis(
 BODIES: dict[str, Callable[..., Body]] = {
     "adonis": partial(adonis, MALE),
     "adonis-female": partial(adonis, FEMALE, name="adonis-female"),
+    "arm7": arm7,
+    "planar-arm": planar_arm,
 }
 
 

@@ -83,7 +83,9 @@ class Camera:
 
     def _eye(self) -> NDArray[np.float64]:
         """Where the camera is (3,): between its two eyes."""
-        return np.array([camera.pos for camera in self._renderer.scene.camera]).mean(axis=0)
+        left, right = (np.array(camera.pos) for camera in self._renderer.scene.camera)
+        middle: NDArray[np.float64] = 0.5 * (left + right)
+        return middle
 
     def _pixels(self, point: NDArray[np.float64]) -> Pixels:
         """Where a point (3,) of the world is in the picture."""

@@ -156,6 +156,10 @@ def _bind(
         raise document.error(said, path) from problem
     if wrong:
         raise document.error(f"{name}: bind of {type(primitive).__name__} {wrong}", path)
+    joints = getattr(primitive, "joints", None)
+    if np.isfinite(duration) and isinstance(joints, tuple) and joints and not len(field.claims):
+        said = f"{name}: there is nothing to move: {body.map.name} has no {', '.join(joints)}"
+        raise document.error(said, (*path, "joints"))
     return field
 
 

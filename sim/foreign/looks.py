@@ -14,6 +14,7 @@ CELLS = 16  # of those, across the size of a shape
 COLOURS = 3  # of a link at most; the smaller shapes take the colour of the largest
 SEEN = 250  # points of a hull that are compared with what it is the hull of
 BULGE = 0.028  # mean distance between them, of its size, up to which it is good enough
+FEWEST = 4  # triangles that make a body
 DARKEST = 0.15  # black shows no shape
 DECIMALS = 4  # of coordinates [m]
 
@@ -41,13 +42,14 @@ def looks_of(shapes: list[Shape]) -> list[Look]:
         by_colour[largest[0]] += by_colour.pop(extra)
     found = []
     for colour, parts in by_colour.items():
-        faces, offset = [], 0
-        for points, corners in parts:
-            faces.append(corners + offset)
-            offset += len(points)
-        if sum(len(f) for f in faces) >= 4:
-            points = np.round(np.concatenate([p for p, _ in parts]), DECIMALS)
-            found.append(Look(points, np.concatenate(faces).astype(np.int32), (*colour, 1.0)))
+        corners, offset = [], 0
+        for own, triangles in parts:
+            corners.append(triangles + offset)
+            offset += len(own)
+        whole = np.concatenate(corners).astype(np.int32)
+        if len(whole) >= FEWEST:
+            together = np.round(np.concatenate([own for own, _ in parts]), DECIMALS)
+            found.append(Look(together, whole, (*colour, 1.0)))
     return found
 
 
