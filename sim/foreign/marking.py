@@ -20,10 +20,11 @@ FloatArray = NDArray[np.float64]
 # Where the top of a shoulder is looked for: on the trunk and on what carries the arm, so far out of
 # the middle, of the joint; and so far above or below the joint, of the arm.
 TRUNK, BESIDE = (0.62, 0.52, 0.42, 0.32), (0.62, 0.8, 1.0)
-LEVEL, SLOPE = 0.2, 0.3
+LEVEL, SLOPE = 0.1, 0.3
 UPWARD = 0.4  # of its normal
 RIBS, CHEST, BELLY, HIP = 0.35, 0.16, 0.55, 0.857  # below the shoulders, of the arm
 CREST = 0.084  # of the arm: so far above the hip joint is the place of a hand on the hip
+NARROW = 0.35  # of half the distance of the shoulders: what is nearer to the middle is no hip
 BREAST = 0.5  # of half the distance of the shoulders: where rays to the sides begin
 CROOK = 0.36  # of the forearm, from the elbow
 HEAD = {
@@ -35,7 +36,6 @@ HEAD = {
     "head.left": (0.0, 1.0, 0.0),
     "head.front": (1.0, 0.0, 0.35),
 }
-SKULL = 0.6  # of its breadth, from the top of a head to its middle
 EYES = 0.64  # of the height of the head
 
 
@@ -66,8 +66,9 @@ class Marker:
         self.height, self.middle = float(middle[2]), np.array([middle[0], 0.0, 0.0])
         sides = [abs(float(s[1])) for s in self.shoulders]
         self.half = float(np.mean(sides)) or 0.3 * self.arm
-        by_legs = -np.inf if hips is None else hips + CREST * self.arm
-        self.hip = max(by_legs, self.height - HIP * self.arm)
+        self.hips = [self.height - HIP * self.arm]
+        if hips is not None:
+            self.hips.append(hips + CREST * self.arm)
         on_arms = {name for chain in layout.chains.values() for name in chain}
         self.core = [n for n in self.names if n not in on_arms and n != "head"]
 
@@ -85,15 +86,19 @@ class Marker:
     def _trunk(self) -> dict[str, Hit | None]:
         found: dict[str, Hit | None] = {}
         for side, s in (("right", -1.0), ("left", 1.0)):
-            for name, height, way in (
-                (f"{side}_ribs", self.height - RIBS * self.arm, (1.3, s, 0.0)),
-                (f"{side}_hip", self.hip, (0.45, s, 0.15)),
-                (f"{side}_hip.front", self.hip, (1.0, 0.45 * s, 0.15)),
-            ):
-                found[name] = self._out(height, s, way)
+            found[f"{side}_ribs"] = self._out(self.height - RIBS * self.arm, s, (1.3, s, 0.0))
+            for name, way in (("hip", (0.45, s, 0.15)), ("hip.front", (1.0, 0.45 * s, 0.15))):
+                hits = [hit for height in self.hips if (hit := self._out(height, s, way))]
+                found[f"{side}_{name}"] = max(hits, key=self._as_a_hip, default=None)
         for name, below in (("chest.front", CHEST), ("belly.front", BELLY)):
             found[name] = self._out(self.height - below * self.arm, 0.0, (1.0, 0.0, 0.0))
         return found
+
+    def _as_a_hip(self, hit: Hit) -> tuple[bool, float]:
+        """A hip is the higher place of those that are well to a side."""
+        aside = abs(float(hit.point[1]))
+        wide = aside > NARROW * self.half
+        return wide, float(hit.point[2]) if wide else aside
 
     def _out(self, height: float, s: float, way: tuple[float, float, float]) -> Hit | None:
         """Where a ray leaves the trunk: at a height or near it, begun well to a side or less so."""
@@ -123,14 +128,20 @@ class Marker:
         joint = self.layout.places(limb)[0]
         own = ("upper_arm", "forearm", "hand")
         carrying = [n for n in self.layout.chains[limb] if not n.endswith(own)]
-        for low, flat in ((0.5 * LEVEL, UPWARD), (SLOPE, 0.0)):
-            for links, shares in ((self.core, TRUNK), (carrying, BESIDE)):
-                for share in shares:
-                    origin = joint * [1.0, share, 1.0] - [0.0, 0.0, SLOPE * self.arm]
-                    hit = self._cast(origin, (0.15, 0.0, 1.0), links)
-                    above = -np.inf if hit is None else (hit.point[2] - joint[2]) / self.arm
-                    if hit is not None and -low < above < LEVEL and hit.normal[2] > flat:
-                        return hit
+        core, beside = (self.core, TRUNK), (carrying, BESIDE)
+        for (links, shares), level, flat in (
+            (core, LEVEL, UPWARD),
+            (core, 2.0 * LEVEL, UPWARD),
+            (beside, LEVEL, UPWARD),
+            (core, SLOPE, 0.0),
+            (beside, SLOPE, 0.0),
+        ):
+            for share in shares:
+                origin = joint * [1.0, share, 1.0] - [0.0, 0.0, SLOPE * self.arm]
+                hit = self._cast(origin, (0.15, 0.0, 1.0), links)
+                above = -np.inf if hit is None else (hit.point[2] - joint[2]) / self.arm
+                if hit is not None and -level < above < 2.0 * level and hit.normal[2] > flat:
+                    return hit
         return None
 
     def _crooks(self) -> dict[str, Hit | None]:
@@ -165,16 +176,20 @@ class Marker:
         box = self._head_box(head) if head else None
         if box is None:
             return {}
-        low, high = box
-        broad = float(max(high[:2] - low[:2]))
-        centre = 0.5 * (low + high) * [1.0, 0.0, 1.0]
-        centre[2] = max(centre[2], high[2] - SKULL * broad)  # without the neck
+        centre = self._middle_of_head(head, box[0][2], box[1][2])
         found: dict[str, Hit | None] = {}
         for name, way in HEAD.items():
             hit = self._cast(centre, way, [head, *self.core])
             above = hit is not None and hit.point[2] > head_from(self.layout)
             found[name] = hit if above else self._cast(centre, way, [head])
         return found
+
+    def _middle_of_head(self, head: str, low: float, high: float) -> FloatArray:
+        """The middle (3,) of the thickest capsule in the upper half of a head: of its skull."""
+        found = [(r, 0.5 * (a + b)) for _, a, b, r in self._capsules([head])]
+        upper = [(r, c) for r, c in found if c[2] > 0.5 * (low + high)] or found
+        _, centre = max(upper, key=lambda each: each[0])
+        return np.array(centre * [1.0, 0.0, 1.0])
 
     def _head_box(self, head: str) -> tuple[FloatArray, FloatArray] | None:
         """Lowest and highest corner of a head; if it is part of the trunk, of what is high up."""
