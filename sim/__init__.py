@@ -16,7 +16,7 @@ from sim.errors import (
 )
 from sim.extending import extended, halfway
 from sim.foreign.body_file import BodyFile
-from sim.foreign.building import build_body
+from sim.foreign.building import build_body, hanging_places
 from sim.foreign.proposal import Proposal, body_name, propose
 from sim.foreign.reading import Source, read_model
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
@@ -107,6 +107,7 @@ __all__ = [
     "find_gaze",
     "find_way",
     "halfway",
+    "hanging_places",
     "inertias",
     "inverse_dynamics",
     "joint_inertia",

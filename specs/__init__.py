@@ -19,6 +19,7 @@ from specs.reading import Document
 from specs.reference import reference
 from specs.schema import SHIPPED_SCHEMA, task_schema
 from specs.task import Background, SubTask, TaskSpec, with_tempo
+from specs.validating import read_checked
 from specs.writing import task_to_yaml
 
 __all__ = [
@@ -52,6 +53,7 @@ __all__ = [
     "load_variant",
     "primitives_in",
     "read_body_file",
+    "read_checked",
     "reference",
     "refusal",
     "set_values",

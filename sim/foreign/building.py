@@ -57,6 +57,21 @@ def build_body(
     return Body(spec, body_map(layout, file, spec, source.speeds))
 
 
+def hanging_places(source: Source, file: BodyFile) -> dict[str, FloatArray]:
+    """Where landmarks are (3,) while the arms hang: forward, left, up of the shoulders [m].
+
+    Args:
+        source: the model that the file is about.
+        file: what its parts are.
+    """
+    layout = lay_out(Tree(source), file)
+    middle = np.mean([layout.places(limb)[0] for limb in layout.arms], axis=0)
+    return {
+        name: np.array(mark.point) + layout.link(mark.link).origin - middle
+        for name, mark in file.landmarks.items()
+    }
+
+
 def build_spec(
     layout: Layout,
     file: BodyFile,

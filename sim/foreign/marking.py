@@ -129,18 +129,18 @@ class Marker:
         own = ("upper_arm", "forearm", "hand")
         carrying = [n for n in self.layout.chains[limb] if not n.endswith(own)]
         core, beside = (self.core, TRUNK), (carrying, BESIDE)
-        for (links, shares), level, flat in (
-            (core, LEVEL, UPWARD),
-            (core, 2.0 * LEVEL, UPWARD),
-            (beside, LEVEL, UPWARD),
-            (core, SLOPE, 0.0),
-            (beside, SLOPE, 0.0),
+        for (links, shares), low, high, flat in (
+            (core, LEVEL, 1.5 * LEVEL, UPWARD),
+            (core, 2.0 * LEVEL, LEVEL, UPWARD),
+            (beside, LEVEL, 1.5 * LEVEL, UPWARD),
+            (core, SLOPE, 2.0 * SLOPE, 0.0),
+            (beside, SLOPE, 2.0 * SLOPE, 0.0),
         ):
             for share in shares:
                 origin = joint * [1.0, share, 1.0] - [0.0, 0.0, SLOPE * self.arm]
                 hit = self._cast(origin, (0.15, 0.0, 1.0), links)
                 above = -np.inf if hit is None else (hit.point[2] - joint[2]) / self.arm
-                if hit is not None and -level < above < 2.0 * level and hit.normal[2] > flat:
+                if hit is not None and -low < above < high and hit.normal[2] > flat:
                     return hit
         return None
 

@@ -52,7 +52,8 @@ def name_joints(
     fit = axes @ wanted.T  # (joints, names)
     count = min(len(joints), len(names))
     best: tuple[float, tuple[int, ...], tuple[int, ...]] = (-1.0, (), ())
-    for chosen in permutations(range(len(joints)), count):
+    first = max(len(joints) - 3, 0) if part == "shoulder" else 0  # before that: a collar bone
+    for chosen in permutations(range(first, len(joints)), count):
         for called in permutations(range(len(names)), count):
             if list(called) != sorted(called):
                 continue
