@@ -12,7 +12,7 @@ import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import typer
@@ -33,6 +33,13 @@ ZERO = 15.0  # of a joint from the hand-made one [deg]
 MOST = 0.9  # share of the landmarks that must be right, and all joints, for a body to be right
 
 
+SEEN = {
+    "while": "the rules were made with these in view",
+    "after": "the rules were mended after a look at these",
+    "never": "the rules have never been changed for these",
+}
+
+
 class Truth(BaseModel):
     """What is true of a model, by hand."""
 
@@ -41,7 +48,7 @@ class Truth(BaseModel):
     robot: str
     package: str
     model: str  # below the folder of installed packages
-    seen: bool  # whether the rules were made while looking at it
+    seen: Literal["while", "after", "never"]  # the rules were made seeing it, mended by it, or not
     forward: str
     up: str
     joints: dict[str, dict[str, str]]  # part -> anatomical name -> joint, with - if flipped
@@ -142,12 +149,12 @@ def print_scores(console: Console, scores: list[Score]) -> None:
     table = Table("robot", "seen", "faces", "joints", "landmarks", "map", "s", "wrong")
     for score in scores:
         if score.problem:
-            seen = "yes" if score.truth.seen else "no"
-            table.add_row(score.truth.robot, seen, "", "", "", "-", "", score.problem[:60])
+            row = score.truth.robot, score.truth.seen, "", "", "", "-", "", score.problem
+            table.add_row(*row)
             continue
         table.add_row(
             score.truth.robot,
-            "yes" if score.truth.seen else "no",
+            score.truth.seen,
             "right" if score.faces else "WRONG",
             f"{score.joints} of {score.joints + len(score.wrong_joints)}",
             f"{score.landmarks} of {score.landmarks + len(score.wrong_landmarks)}",
@@ -156,17 +163,21 @@ def print_scores(console: Console, scores: list[Score]) -> None:
             ", ".join([*score.wrong_joints, *score.wrong_landmarks]),
         )
     console.print(table)
-    for known in (True, False):
-        chosen = [s for s in scores if s.truth.seen is known and not s.problem]
+    for when, said in SEEN.items():
+        chosen = [s for s in scores if s.truth.seen == when and not s.problem]
         if chosen:
-            marks = sum(s.landmarks for s in chosen)
-            all_marks = marks + sum(len(s.wrong_landmarks) for s in chosen)
-            joints = sum(s.joints for s in chosen)
-            all_joints = joints + sum(len(s.wrong_joints) for s in chosen)
+            maps = sum(score.right for score in chosen)
+            counts = [
+                (sum(right), sum(right) + sum(wrong))
+                for right, wrong in (
+                    ([s.joints for s in chosen], [len(s.wrong_joints) for s in chosen]),
+                    ([s.landmarks for s in chosen], [len(s.wrong_landmarks) for s in chosen]),
+                )
+            ]
+            (joints, all_joints), (marks, all_marks) = counts
             console.print(
-                f"{'seen' if known else 'not seen'} before: {sum(s.right for s in chosen)} of"
-                f" {len(chosen)} maps, {joints} of {all_joints} joints, {marks} of {all_marks}"
-                " landmarks"
+                f"{said}: {maps} of {len(chosen)} maps, {joints} of {all_joints} joints,"
+                f" {marks} of {all_marks} landmarks"
             )
 
 

@@ -17,13 +17,15 @@ from sim.landmarks import Ray, leave
 
 FloatArray = NDArray[np.float64]
 
-# Where the top of a shoulder is looked for: on the trunk and on what carries the arm, so far out of
-# the middle, of the joint; and so far above or below the joint, of the arm.
-TRUNK, BESIDE = (0.62, 0.52, 0.42, 0.32), (0.62, 0.8, 1.0)
-LEVEL, SLOPE = 0.1, 0.3
+# The top of a shoulder: so far out, of the joint, and so far above it, of the arm; where rays are
+# cast; what a place on a moving link, or a steep one, counts as farther off, of the arm.
+TOP, ABOVE, DEEP = 0.62, 0.05, 0.3
+TRUNK, BESIDE = (0.75, 0.62, 0.52, 0.42, 0.32), (0.62, 0.8, 1.0)
+MOVES, STEEP = 0.1, 0.2
 UPWARD = 0.4  # of its normal
 RIBS, CHEST, BELLY, HIP = 0.35, 0.16, 0.55, 0.857  # below the shoulders, of the arm
 CREST = 0.084  # of the arm: so far above the hip joint is the place of a hand on the hip
+GAP = 0.25  # of half the distance of the shoulders: so far from the middle there is a chest
 NARROW = 0.35  # of half the distance of the shoulders: what is nearer to the middle is no hip
 BREAST = 0.5  # of half the distance of the shoulders: where rays to the sides begin
 CROOK = 0.36  # of the forearm, from the elbow
@@ -103,11 +105,15 @@ class Marker:
     def _out(self, height: float, s: float, way: tuple[float, float, float]) -> Hit | None:
         """Where a ray leaves the trunk: at a height or near it, begun well to a side or less so."""
         for shift in (0.0, 0.06, -0.06, 0.12, -0.12):
+            level = height + shift * self.arm
             for share in (BREAST, 0.35, 0.2, 0.0) if s else (0.0,):
-                origin = self._inside(height + shift * self.arm, s * share)
-                hit = self._cast(origin, way, self.core)
+                hit = self._cast(self._inside(level, s * share), way, self.core)
                 if hit is not None:
                     return hit
+            beside = None if s else self._cast(self._inside(level, GAP), way, self.core)
+            if beside is not None:  # there is a gap between the left and the right side
+                middle, front = np.array([1.0, 0.0, 1.0]), beside.normal * [1.0, 0.0, 1.0]
+                return Hit(beside.link, beside.point * middle, front / np.linalg.norm(front))
         return None
 
     def eyes(self, head: str) -> FloatArray | None:
@@ -117,32 +123,32 @@ class Marker:
             return None
         low, high = box
         place = np.array([high[0], 0.0, low[2] + EYES * (high[2] - low[2])])
-        hit = self._cast(
-            np.array([0.5 * (low[0] + high[0]), 0.0, place[2]]), (1.0, 0.0, 0.0), [head]
-        )
+        origin = np.array([0.5 * (low[0] + high[0]), 0.0, place[2]])
+        hit = self._cast(origin, (1.0, 0.0, 0.0), [head])
         return hit.point if hit is not None else place
 
     def _shoulder(self, s: float) -> Hit | None:
-        """The top of the trunk beside the neck, far out, or of what carries the arm."""
+        """The top of a shoulder: what lies nearest to where Adonis has it.
+
+        The trunk is better than a link that moves with the arm, and a level place than a wall.
+        """
         limb = next(limb for limb, side in self.layout.sides.items() if side == s)
         joint = self.layout.places(limb)[0]
+        wanted = joint * [1.0, TOP, 1.0] + [0.0, 0.0, ABOVE * self.arm]
         own = ("upper_arm", "forearm", "hand")
         carrying = [n for n in self.layout.chains[limb] if not n.endswith(own)]
-        core, beside = (self.core, TRUNK), (carrying, BESIDE)
-        for (links, shares), low, high, flat in (
-            (core, LEVEL, 1.5 * LEVEL, UPWARD),
-            (core, 2.0 * LEVEL, LEVEL, UPWARD),
-            (beside, LEVEL, 1.5 * LEVEL, UPWARD),
-            (core, SLOPE, 2.0 * SLOPE, 0.0),
-            (beside, SLOPE, 2.0 * SLOPE, 0.0),
-        ):
+        best: tuple[float, Hit] | None = None
+        for links, shares, worse in ((self.core, TRUNK, 0.0), (carrying, BESIDE, MOVES)):
             for share in shares:
-                origin = joint * [1.0, share, 1.0] - [0.0, 0.0, SLOPE * self.arm]
+                origin = joint * [1.0, share, 1.0] - [0.0, 0.0, DEEP * self.arm]
                 hit = self._cast(origin, (0.15, 0.0, 1.0), links)
-                above = -np.inf if hit is None else (hit.point[2] - joint[2]) / self.arm
-                if hit is not None and -low < above < high and hit.normal[2] > flat:
-                    return hit
-        return None
+                if hit is None:
+                    continue
+                off = float(np.linalg.norm((hit.point - wanted)[1:])) / self.arm
+                off += worse + (STEEP if hit.normal[2] < UPWARD else 0.0)
+                if best is None or off < best[0]:
+                    best = off, hit
+        return None if best is None else best[1]
 
     def _crooks(self) -> dict[str, Hit | None]:
         found = {}
