@@ -22,7 +22,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from sim import BodyError, BodyFile, Proposal, hanging_places, propose, read_model
+from sim import BodyError, BodyFile, Proposal, Source, hanging_places, propose, read_model
 from specs import read_checked
 
 FloatArray = NDArray[np.float64]
@@ -88,17 +88,23 @@ def model_of(truth: Truth, packages: tuple[Path, ...]) -> Path | None:
     return next((p / truth.model for p in packages if (p / truth.model).is_file()), None)
 
 
-def compare(truth: Truth, model: Path) -> Score:
+def study(truth: Truth, model: Path) -> Score:
     """Propose a body file and compare it."""
-    score, began = Score(truth), time.perf_counter()
+    began = time.perf_counter()
     try:
         source = read_model(model)
         proposal = propose(source, truth.robot, model.name)
     except BodyError as problem:
-        score.problem = str(problem)
-        return score
-    score.seconds = time.perf_counter() - began
-    file = proposal.file
+        return Score(truth, problem=str(problem))
+    spent = time.perf_counter() - began
+    score = compare(truth, source, proposal)
+    score.seconds = spent
+    return score
+
+
+def compare(truth: Truth, source: Source, proposal: Proposal) -> Score:
+    """Compare a proposal with what is true."""
+    score, file = Score(truth), proposal.file
     score.faces = (file.base.forward, file.base.up) == (truth.forward, truth.up)
     _compare_joints(score, file)
     _compare_landmarks(score, proposal, hanging_places(source, file))
@@ -195,7 +201,7 @@ def main(
     for truth in track(truths(), "proposing", console=console, transient=True):
         model = model_of(truth, folders)
         missing = Score(truth, problem=f"not installed: {truth.package}")
-        scores.append(compare(truth, model) if model else missing)
+        scores.append(study(truth, model) if model else missing)
     print_scores(console, scores)
     if out is not None:
         out.write_text(json.dumps([_plain(score) for score in scores], indent=1) + "\n")

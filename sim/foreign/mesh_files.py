@@ -4,7 +4,9 @@ It knows no Collada and no STL in words, and takes the first group of an OBJ for
 """
 
 import struct
+import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +60,19 @@ def stl_of_collada(path: Path, *, honour_up: bool = False) -> bytes | None:
         return None
     if scene.scene is None:
         return None
+    with warnings.catch_warnings():  # pycollada multiplies with NumPy's old matrices
+        warnings.simplefilter("ignore", PendingDeprecationWarning)
+        parts = _triangles_of(scene)
+    if not parts:
+        return None
+    corners = np.concatenate(parts) * (scene.assetInfo.unitmeter or 1.0)
+    if honour_up and scene.assetInfo.upaxis == collada.asset.UP_AXIS.Y_UP:
+        corners = np.stack([corners[..., 0], -corners[..., 2], corners[..., 1]], axis=-1)
+    return _stl(corners)
+
+
+def _triangles_of(scene: Any) -> list[NDArray[np.float64]]:
+    """The triangles (k, 3, 3) of each part of a Collada scene, in its own unit."""
     parts: list[NDArray[np.float64]] = []
     for geometry in scene.scene.objects("geometry"):
         for primitive in geometry.primitives():
@@ -67,12 +82,7 @@ def stl_of_collada(path: Path, *, honour_up: bool = False) -> bytes | None:
                 continue  # lines
             if np.shape(corners)[1] == 3 and len(corners):
                 parts.append(np.asarray(triangles.vertex, dtype=float)[corners])
-    if not parts:
-        return None
-    corners = np.concatenate(parts) * (scene.assetInfo.unitmeter or 1.0)
-    if honour_up and scene.assetInfo.upaxis == collada.asset.UP_AXIS.Y_UP:
-        corners = np.stack([corners[..., 0], -corners[..., 2], corners[..., 1]], axis=-1)
-    return _stl(corners)
+    return parts
 
 
 def _stl(triangles: NDArray[np.float64]) -> bytes:

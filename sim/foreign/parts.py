@@ -7,6 +7,7 @@ them the neck. Names are heard last, as evidence among others.
 
 import re
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ LONG = 0.3  # an arm is at least so long, of the longest chain there is
 FEWEST = 3  # joints of an arm
 SMALL = 0.35  # of the arm's length: what branches off at its end is a finger
 LIGHT = 0.2  # of the mass of the head: what moves on it is an eye or a jaw
+HEAVY = 0.5  # of a chain: a link that weighs more carries the arm
 HIGHER = 0.1  # of the size of the body: two pairs are at different heights
 SNAP = 0.85  # cosine between what is up and an axis of the model's own
 LEG_WORDS = re.compile("leg|hip|knee|ankle|foot|toe|thigh|shin", re.IGNORECASE)
@@ -56,7 +58,7 @@ def find_parts(tree: Tree) -> Parts:
         if up[2] < SNAP:
             doubts.append("up")
     else:
-        arms = _lonely(tree)
+        arms = _lonely(tree, pairs)
         doubts.append("arm")
     trunk = tree.parent(arms[0])
     legs = tuple(link for pair in pairs if pair != arms for link in pair)
@@ -139,20 +141,28 @@ def _higher(
     return arms, up
 
 
-def _lonely(tree: Tree) -> tuple[int, ...]:
-    """A single arm: the longest chain."""
-    roots = [link for link in tree.links if _joints(tree, link) >= FEWEST]
+def _lonely(tree: Tree, pairs: list[tuple[int, ...]]) -> tuple[int, ...]:
+    """A single arm: the longest chain that is no leg, from where it leaves a trunk on."""
+    legs = {link for pair in pairs for root in pair for link in tree.below(root)}
+    roots = [link for link in tree.links if link not in legs and _joints(tree, link) >= FEWEST]
     starts = [link for link in roots if tree.parent(link) not in roots]
+    if not starts and legs:
+        raise BodyError(f"{tree.source.path}: this model has legs, but nothing looks like an arm")
     if not starts:
         raise BodyError(
             f"{tree.source.path}: nothing in this model looks like an arm: expected a chain of at"
             f" least {FEWEST} hinges"
         )
     best = max(starts, key=tree.length)
-    if LEG_WORDS.search(words(tree, tree.below(best))) and not ARM_WORDS.search(
-        words(tree, tree.below(best))
-    ):
+    named = words(tree, tree.below(best))
+    if LEG_WORDS.search(named) and not ARM_WORDS.search(named):
         raise BodyError(f"{tree.source.path}: this model has legs, but nothing looks like an arm")
+    chain = _chain(tree, best)
+    whole = sum(tree.mass(link) for link in chain)
+    for link, after in reversed(list(pairwise(chain))):
+        carries = len(tree.children[link]) > 1 or tree.mass(link) > HEAVY * whole
+        if carries and _joints(tree, after) >= FEWEST:
+            return (after,)
     return (best,)
 
 

@@ -24,6 +24,7 @@ from sim.foreign.filling import fill_joints, fill_masses
 from sim.foreign.layout import AXES, Layout, lay_out
 from sim.foreign.marking import Marker
 from sim.foreign.naming import Named
+from sim.foreign.parts import HEAD_WORDS
 from sim.foreign.reading import Source
 from sim.foreign.resting import HOPELESS, clipped, rest_posture
 from sim.foreign.shaping import shapes_for, surface_of
@@ -112,19 +113,26 @@ def _anatomical(
         inward = 1.0 if side == "right" else -1.0
         palm = PalmOf(point=(0.0, 0.0, 0.0), normal=(0.0, inward, 0.0))
         limbs[f"{side}_arm"] = LimbOf(side=side, joints=joints, palm=palm)
-    head = tree.name(parts.neck[-1]) if parts.neck else tree.name(parts.trunk)
+    trunk = _main_body(tree, parts.trunk)
+    heads = [body for body in tree.bodies(parts.trunk) if HEAD_WORDS.search(tree.name(body))]
+    head = parts.neck[-1] if parts.neck else (heads or [trunk])[0]
     file = BodyFile(
         body=name,
         model=model,
         base=Base(forward=_axis(frame.forward), up=_axis(frame.up)),
-        trunk=tree.name(parts.trunk),
+        trunk=tree.name(trunk),
         waist=_core(tree, anatomy.waist),
         neck=_core(tree, anatomy.neck),
-        head=HeadOf(link=head, eyes=(0.0, 0.0, 0.0)),
+        head=HeadOf(link=tree.name(head), eyes=(0.0, 0.0, 0.0)),
         limbs=limbs,
         locked=_not_at_zero(tree, anatomy),
     )
     return file, {}
+
+
+def _main_body(tree: Tree, link: int) -> int:
+    """The heaviest of the MuJoCo bodies of a link: what it is called after."""
+    return max(tree.bodies(link), key=lambda body: float(tree.model.body_mass[body]))
 
 
 def _core(tree: Tree, joints: Iterable[Named]) -> dict[str, JointOf]:
