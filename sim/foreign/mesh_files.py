@@ -5,6 +5,7 @@ It knows no Collada and no STL in words, and takes the first group of an OBJ for
 
 import struct
 import warnings
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,18 @@ def stl_of_collada(path: Path, *, honour_up: bool = False) -> bytes | None:
 
     Some tools honour the upward axis of the file, some do not, and models are made for either.
     """
+    read = _collada(path)
+    if read is None:
+        return None
+    corners, y_up = read
+    if honour_up and y_up:
+        corners = np.stack([corners[..., 0], -corners[..., 2], corners[..., 1]], axis=-1)
+    return _stl(corners)
+
+
+@lru_cache(maxsize=256)
+def _collada(path: Path) -> tuple[NDArray[np.float64], bool] | None:
+    """The triangles (k, 3, 3) of a Collada file [m], and whether its y axis is upward."""
     import collada  # noqa: PLC0415  (only models that have such meshes need it)
     from collada.common import DaeError  # noqa: PLC0415
 
@@ -65,10 +78,8 @@ def stl_of_collada(path: Path, *, honour_up: bool = False) -> bytes | None:
         parts = _triangles_of(scene)
     if not parts:
         return None
-    corners = np.concatenate(parts) * (scene.assetInfo.unitmeter or 1.0)
-    if honour_up and scene.assetInfo.upaxis == collada.asset.UP_AXIS.Y_UP:
-        corners = np.stack([corners[..., 0], -corners[..., 2], corners[..., 1]], axis=-1)
-    return _stl(corners)
+    y_up = scene.assetInfo.upaxis == collada.asset.UP_AXIS.Y_UP
+    return np.concatenate(parts) * (scene.assetInfo.unitmeter or 1.0), y_up
 
 
 def _triangles_of(scene: Any) -> list[NDArray[np.float64]]:
