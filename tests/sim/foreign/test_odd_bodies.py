@@ -6,9 +6,28 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from adonis.dancing import run_task
+from adonis.judging import Verdict, judge
 from sim import Body, BodyError, World, build_body, propose, read_model
+from specs import SpecError, bind_task, task_from_text
 
 Maker = Callable[..., Path]
+BACKGROUND = """
+background:
+  - {name: upright, primitive: get-posture, joints: [waist, neck], posture: upright}
+  - {name: arms, primitive: get-posture, joints: [right_arm, left_arm], posture: rest}
+  - {name: weight, primitive: compensate-gravity}
+"""
+LOOK = f"""task: look
+tempo: 60{BACKGROUND}
+subtasks: [{{name: there, primitive: look-at, at: {{point: [2, 0.5, 0.4]}}, beats: 2}}]
+"""
+TOUCH = f"""task: touch
+tempo: 60{BACKGROUND}
+subtasks:
+  - {{name: out, primitive: get-posture, limb: right_arm, posture: {{arm: forward}}}}
+  - {{name: belly, primitive: go-to-point, limb: right_arm, to: belly.front, beats: 2}}
+"""
 
 ODD = {
     "arms of 3": {"joints": 3},
@@ -25,6 +44,12 @@ ODD = {
     "no limits": {"limits": False},
     "nameless": {"named": False},
 }
+
+
+def touching(somebody: Maker, joints: int) -> tuple[Verdict, ...]:
+    task = bind_task(task_from_text(TOUCH)[0], body_of(somebody, joints=joints))
+    (recording,) = run_task(task)
+    return tuple(judge(recording, task.spec).verdicts)
 
 
 def body_of(somebody: Maker, **options: object) -> Body:
@@ -69,6 +94,34 @@ def test_what_turns_the_head(somebody: Maker) -> None:
         )
     ]
     assert turned == [("neck",), ("waist",), None]
+
+
+def test_look_at_turns_the_waist_of_a_body_without_a_neck(somebody: Maker) -> None:
+    body = body_of(somebody, neck=False)
+    task = bind_task(task_from_text(LOOK)[0], body)
+    (recording,) = run_task(task)
+    judgement = judge(recording, task.spec)
+    (verdict,) = judgement.verdicts
+    assert verdict.success, verdict.measures
+
+
+def test_a_body_without_neck_and_waist_cannot_look(somebody: Maker) -> None:
+    body = body_of(somebody, neck=False, waist=False)
+    with pytest.raises(SpecError, match="no head"):
+        bind_task(task_from_text(LOOK)[0], body)
+
+
+@pytest.mark.parametrize("joints", [6, 7, 8])
+def test_arms_of_six_to_eight_joints_touch_the_belly(joints: int, somebody: Maker) -> None:
+    verdicts = touching(somebody, joints)
+    assert all(verdict.success for verdict in verdicts), [v.measures for v in verdicts]
+
+
+def test_an_arm_that_cannot_turn_its_palm_is_judged_to_have_missed(somebody: Maker) -> None:
+    """Five joints leave the hand two directions too few: it stretches, and touches nothing."""
+    out, belly = touching(somebody, 5)
+    assert out.success
+    assert not belly.success
 
 
 def test_a_hand_without_joints_is_fixed_to_the_forearm(somebody: Maker) -> None:
