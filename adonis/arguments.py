@@ -7,34 +7,52 @@ from typing import TYPE_CHECKING, NoReturn
 import typer
 
 if TYPE_CHECKING:
+    from sim import Body
     from specs import BoundTask, Document, TaskSpec
 
 FAILED, BAD_INPUT = 1, 2
 
 
-def load(
-    task: str, tempo: float | None, primitives: list[str] | None
-) -> "tuple[TaskSpec, Document]":
-    """`read`; every mistake ends here, with code 2."""
-    from specs import SpecError
+def load(task: str, primitives: list[str] | None) -> "tuple[TaskSpec, Document]":
+    """Read a task; every mistake ends here, with code 2."""
+    from specs import SpecError, load_task
 
     try:
-        return read(task, tempo, classes(primitives))
+        return load_task(task, primitives=classes(primitives))
     except SpecError as problem:
         refuse(problem)
 
 
-def read(task: str, tempo: float | None, kinds: "list[type]") -> "tuple[TaskSpec, Document]":
-    """Read a task; a tempo given on the command line replaces its own."""
-    from specs import load_task, with_tempo
+def whose(spec: "TaskSpec", body: str | None) -> str:
+    """The name of the body that does a task: what is asked for, else the task's own."""
+    return body or spec.body or "adonis"
 
-    spec, document = load_task(task, primitives=kinds)
-    return (spec if tempo is None else with_tempo(spec, tempo)), document
+
+def fit(
+    spec: "TaskSpec", body: "Body", document: "Document", tempo: float | None = None
+) -> "TaskSpec":
+    """The task as it fits a body, at a tempo given on the command line; what changes is told.
+
+    Raises:
+        SpecError: see `fitted`.
+    """
+    from specs import fit_of, fitted
+
+    made = fitted(spec, body, document, tempo=tempo)
+    scaled = fit_of(spec, body, document)
+    if scaled is not None:
+        typer.echo(
+            f"{spec.task} is written for {spec.body}; for {body.map.name} lengths are multiplied by"
+            f" {scaled.like.length:.3g} and times by {scaled.time:.3g}"
+            f" ({made.tempo:.4g} beats/min{'' if tempo is None else ', as you ask'})",
+            err=True,
+        )
+    return made
 
 
 def bind(
     task: str,
-    body: str,
+    body: str | None,
     tempo: float | None,
     primitives: list[str] | None,
     *,
@@ -46,12 +64,12 @@ def bind(
     from sim import BodyError
     from specs import SpecError, bind_task, find_body, with_controller
 
-    spec, document = load(task, tempo, primitives)
+    spec, document = load(task, primitives)
     try:
         if controller is not None:
             spec = with_controller(spec, controller)
-        on = find_body(body, limits=limits, contacts=contacts)
-        return bind_task(spec, on, document)
+        on = find_body(whose(spec, body), limits=limits, contacts=contacts)
+        return bind_task(fit(spec, on, document, tempo), on, document)
     except (BodyError, SpecError) as problem:
         refuse(problem)
 

@@ -20,11 +20,15 @@ def print_catalogue(console: Console, kinds: Mapping[str, type[Primitive]]) -> N
     table = Table(
         "body", "limbs and joint groups", "landmarks", title="Bodies", title_justify="left"
     )
+    alike: dict[tuple[tuple[str, ...], ...], list[str]] = {}
     for name in BODIES:
         names = load_body(name).map
-        parts = [*names.limbs, *(group for group in names.groups if names.groups[group])]
-        table.add_row(name, "\n".join(parts), ", ".join(sorted(names.landmarks)))
+        parts = *names.limbs, *(group for group in names.groups if names.groups[group])
+        alike.setdefault((parts, tuple(sorted(names.landmarks))), []).append(name)
+    for (parts, landmarks), bodies in alike.items():
+        table.add_row("\n".join(bodies), "\n".join(parts), ", ".join(landmarks))
     console.print(table)
+    console.print("Anybody else: --body adonis:height=1.3,weight=28,sex=female,age=9", markup=False)
     table = Table(
         "primitive", "what it does", "parameters", title="Primitives", title_justify="left"
     )

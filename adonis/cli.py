@@ -8,14 +8,16 @@ from typing import Annotated
 
 import typer
 
-from adonis.arguments import BAD_INPUT, FAILED, bind, classes, given_path, read, refuse
+from adonis.arguments import BAD_INPUT, FAILED, bind, classes, fit, given_path, load, refuse, whose
 from adonis.body_commands import body_app
+from adonis.characters import adapt
 from adonis.options import (
     INTERRUPTED,
     AfreshOption,
     BodyOption,
     Commands,
     Format,
+    MorphOption,
     PrimitivesOption,
     Start,
     TaskArgument,
@@ -40,7 +42,7 @@ app = typer.Typer(
 @app.command()
 def run(
     task: TaskArgument,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     out: Annotated[
         str | None,
         typer.Option(
@@ -71,6 +73,7 @@ def run(
         typer.Option("--send", metavar="EVENT@SECONDS", help="Send an event; may be repeated."),
     ] = None,
     afresh: AfreshOption = False,
+    morph: MorphOption = None,
 ) -> None:
     """Do a task, and say how well it went.
 
@@ -89,9 +92,10 @@ def run(
     )
     from adonis.dancing import Stopped, random_start
     from adonis.errors import InputError, OutputError
-    from adonis.performing import events_of, perform, perform_rehearsal
+    from adonis.performing import events_of, perform, perform_morph, perform_rehearsal
     from adonis.showing import print_results
     from sim import SimError
+    from specs import SpecError
 
     if bound.spec.rehearse:
         bound, _ = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
@@ -100,10 +104,14 @@ def run(
     begin = random_start(bound.body, bound.start, 1, seed) if start is Start.random else None
     try:
         events = events_of(send or (), bound.events)
-        results, stopped = perform(
-            console, bound, folder, start=begin, seed=seed, video=video, events=events
+        becoming = (
+            perform_morph(console, bound, morph, limits=limits, contacts=contacts) if morph else ()
         )
-    except (InputError, OutputError, SimError, Stopped) as problem:
+        results, stopped = perform(
+            console, bound, folder, start=begin, seed=seed, video=video, events=events,
+            becoming=becoming,
+        )  # fmt: skip
+    except (InputError, OutputError, SimError, SpecError, Stopped) as problem:
         if isinstance(problem, Stopped) and problem.interrupted:
             raise KeyboardInterrupt from None
         refuse(problem)
@@ -122,7 +130,7 @@ def run(
 def rehearse(
     task: TaskArgument,
     out: WaysOption = None,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     tempo: TempoOption = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the ways tried.")] = 0,
     primitives: PrimitivesOption = None,
@@ -139,15 +147,17 @@ def rehearse(
     from adonis.rehearsal.keeping import task_text
     from adonis.reporting import prepare_file, write_text
     from adonis.showing import print_rehearsal
-    from specs import find_task
+    from specs import find_task, fit_of
 
     console, wished = Console(), given_path("--out", out)
     bound = bind(task, body, tempo, primitives)
+    scaled = fit_of(load(task, primitives)[0], bound.body)
     file = wished or Path(f"{bound.spec.task}-rehearsed.yaml")
     try:
         prepare_file(file)
         bound, found = perform_rehearsal(console, bound, seed=seed, afresh=afresh)
-        write_text(file, task_text(bound.spec, found, find_task(task).read_text()))
+        size = 1.0 if scaled is None else scaled.like.length
+        write_text(file, task_text(bound.spec, found, find_task(task).read_text(), size))
     except OutputError as problem:
         refuse(problem)
     print_rehearsal(console, found, file)
@@ -157,7 +167,7 @@ def rehearse(
 @app.command()
 def check(
     task: TaskArgument,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     tempo: TempoOption = None,
     primitives: PrimitivesOption = None,
     explain: ExplainOption = False,
@@ -171,14 +181,15 @@ def check(
     """
     from adonis.linting import findings_json, print_findings, print_plan
     from sim import BodyError
-    from specs import SpecError, bind_task, find_body, lint_task, refusal
+    from specs import SpecError, bind_task, find_body, lint_task, load_task, refusal
 
     kinds = classes(primitives)
     if explain and not as_json:
         print_explanation(task)
     try:
-        spec, document = read(task, tempo, kinds)
-        bound = bind_task(spec, find_body(body), document)
+        spec, document = load_task(task, primitives=kinds)
+        on = find_body(whose(spec, body))
+        bound = bind_task(fit(spec, on, document, tempo), on, document)
     except (BodyError, SpecError) as problem:
         if as_json and isinstance(problem, SpecError):
             typer.echo(findings_json([refusal(problem)]))
@@ -186,7 +197,7 @@ def check(
         refuse(problem)
     found = lint_task(bound, document)
     if as_json:
-        typer.echo(findings_json(found, spec.task, body))
+        typer.echo(findings_json(found, spec.task, on.map.name))
     else:
         from rich.console import Console
 
@@ -200,7 +211,7 @@ def check(
 def graph(
     task: TaskArgument,
     style: Annotated[Format, typer.Option("--format", help="How to print it.")] = Format.mermaid,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     tempo: TempoOption = None,
     primitives: PrimitivesOption = None,
 ) -> None:
@@ -256,7 +267,7 @@ def schema(
     typer.echo(f"In a task: # yaml-language-server: $schema={file}", err=True)
 
 
-for command in (translate, words, trials, compare, bench):
+for command in (translate, words, adapt, trials, compare, bench):
     app.command()(command)
 app.add_typer(body_app, name="body")
 

@@ -45,6 +45,7 @@ def run_task(
     events: Sequence[tuple[float, str]] = (),
     seed: int = 0,
     contributions: bool = True,
+    becoming: Sequence[tuple[float, BoundTask]] = (),
     part: Path | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> tuple[Recording, ...]:
@@ -59,6 +60,7 @@ def run_task(
         events: when each is sent to all simulations [s], and its name.
         seed: written into the recording; whoever drew `start` at random used it.
         contributions: whether to keep which primitive made which torque.
+        becoming: the task on bodies with other shapes that the body becomes, and from when [s].
         part: file that holds what was recorded so far, while the run lasts.
         progress: told the share that is done and the sub-task that is on.
 
@@ -81,9 +83,11 @@ def run_task(
         n,
         names=arbiter.names if contributions else (),
         channels=arbiter.most_channels,
-        about=about(task, seed),
+        about=about(task, seed) | _becomes(becoming),
         part=part,
+        later_models=tuple((time, other.body.xml) for time, other in becoming),
     )
+    coming = sorted(becoming, key=lambda b: -b[0])
     channels = np.zeros((n, arbiter.most_channels), dtype=np.int32)
     asked, applied = arbiter.contribution if contributions else None, world.torque
     planned = int(np.ceil(task.graph.duration / body.timestep))
@@ -99,6 +103,10 @@ def run_task(
         while last is None or step < last:
             while waiting and step * body.timestep >= waiting[-1][0] - EARLY:
                 arbiter.send(waiting.pop()[1])
+            while coming and step * body.timestep >= coming[-1][0] - EARLY:
+                _, other = coming.pop()
+                world, arbiter = _become(other, world, arbiter, pushes)
+                asked, applied = arbiter.contribution if contributions else None, world.torque
             torque = arbiter.torque(world.state)
             if contributions:
                 arbiter.channels(channels)
@@ -123,6 +131,25 @@ def run_task(
         raise Stopped(problem, recordings, interrupted=interrupted)
     recorder.discard_part()
     return recordings
+
+
+def _becomes(becoming: Sequence[tuple[float, BoundTask]]) -> dict[str, Any]:
+    """What a recording should say of a body that becomes others."""
+    return {"becomes": becoming[-1][1].body.map.name} if becoming else {}
+
+
+def _become(
+    task: BoundTask, world: World, arbiter: Arbiter, pushes: Sequence[Push]
+) -> tuple[World, Arbiter]:
+    """The world and the arbiter on another body, where all simulations go on as the first.
+
+    Angles, angular velocities and the place in the task stay as they are.
+    """
+    changed = World(task.body, world.n, threads=world.threads, pushes=pushes)
+    changed.go_back(world.moment())
+    going_on = Arbiter(task, world.n, threads=world.threads, contributions=arbiter.keeps)
+    going_on.go_on_from(arbiter.place())
+    return changed, going_on
 
 
 def random_start(body: Body, task_start: FloatArray, count: int, seed: int) -> FloatArray:

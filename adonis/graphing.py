@@ -5,6 +5,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from adonis.arguments import fit, whose
 from adonis.timeline import timeline
 from adonis.timeline_text import print_timeline
 from primitives import Primitive
@@ -22,7 +23,6 @@ from specs import (
     to_graphml,
     to_json,
     to_mermaid,
-    with_tempo,
 )
 
 PRINTERS = {"mermaid": to_mermaid, "dot": to_dot, "graphml": to_graphml, "json": to_json}
@@ -31,7 +31,7 @@ PRINTERS = {"mermaid": to_mermaid, "dot": to_dot, "graphml": to_graphml, "json":
 def print_graph(
     task: str,
     style: str,
-    body: str,
+    body: str | None,
     tempo: float | None = None,
     primitives: Iterable[type[Primitive]] = (),
 ) -> None:
@@ -40,7 +40,7 @@ def print_graph(
     Args:
         task: a name of the library, a file, or the folder of a run.
         style: `timeline` or one of `PRINTERS`.
-        body: by name, of which claims are.
+        body: by name or by its file, of which claims are; default: the task's own.
         tempo: instead of the task's own.
         primitives: classes of one's own that the task may use.
 
@@ -57,9 +57,14 @@ def print_graph(
         spec, document = task_from_text(text, f"the task of {task}", primitives=primitives)
     else:
         spec, document = load_task(task, primitives=primitives)
-        spec = spec if tempo is None else with_tempo(spec, tempo)
-    if style == "timeline":
+    if recording is not None and style == "timeline":
         print_timeline(Console(), timeline(build_graph(spec, document), recording))
         return
-    bound = bind_task(spec, find_body(body), document)
+    on = find_body(whose(spec, body))
+    if recording is None:
+        spec = fit(spec, on, document, tempo)
+    if style == "timeline":
+        print_timeline(Console(), timeline(build_graph(spec, document)))
+        return
+    bound = bind_task(spec, on, document)
     print(PRINTERS[style](bound.graph, claims_of(bound)), end="")

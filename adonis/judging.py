@@ -7,6 +7,7 @@ mistakes.
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ from primitives import (
 from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
 from specs import SubTask, TaskGraph, TaskSpec, build_graph, task_from_text
-from specs.tolerances import ANGLE, PALM_ANGLE, PENETRATION, TOUCH_AT_END, TOUCH_BEFORE_NEXT
+from specs.tolerances import ANGLE, PALM_ANGLE, PENETRATION, TOUCH_AT_END, TOUCH_BEFORE_NEXT, size
 
 FloatArray = NDArray[np.float64]
 
@@ -93,6 +94,21 @@ class _Measuring:
         self.recording, self.names, self.replay = recording, names, replay
         self.aims = Aims(self.replay, names)
         self.claims = Claims(recording, names, replay)
+        self.size = size(self._arms())
+
+    def _arms(self) -> list[float]:
+        """From shoulder to palm of each arm held straight [m]: where they change, the shortest."""
+        lengths = []
+        for limb in self.names.limbs.values():
+            links = (self.replay.link(n) for n in (limb.upper_arm, limb.forearm, limb.hand))
+            places = [*(link.position for link in links), self.replay.site(limb.palm).position]
+            parts = [np.linalg.norm(b - a, axis=1) for a, b in pairwise(places)]
+            lengths.append(float(np.sum(parts, axis=0).min()))
+        return lengths
+
+    def _length(self, what: str, value: float, limit: float, where: str = "") -> Measure:
+        """A measure of a length [m], its limit being that of Adonis."""
+        return Measure(what, value, limit * self.size, "m", where)
 
     # --- sub-tasks -------------------------------------------------------------------------
 
@@ -129,8 +145,8 @@ class _Measuring:
                 caught = self.recording.row(span.start + settling(does.settle, duration))
                 rms = float(np.sqrt(np.mean(distance[min(caught, end) : end + 1] ** 2)))
                 return [
-                    Measure("palm to moving point, rms", rms, TRACKING_RMS, "m"),
-                    Measure("at the end", float(distance[end]), TRACKING_AT_END, "m"),
+                    self._length("palm to moving point, rms", rms, TRACKING_RMS),
+                    self._length("at the end", float(distance[end]), TRACKING_AT_END),
                 ]
             case Hold():
                 began = self.recording.row(span.start)
@@ -152,7 +168,7 @@ class _Measuring:
         palm = self.replay.site(self.names.limbs[does.limb].palm).position
         goal = self._goal(does)
         return [
-            Measure(f"palm to goal {when}", float(np.linalg.norm(palm[k] - goal[k])), limit, "m")
+            self._length(f"palm to goal {when}", float(np.linalg.norm(palm[k] - goal[k])), limit)
             for when, k, limit in (
                 ("at the end", end, TOUCH_AT_END),
                 ("before the arm moves on", held, TOUCH_BEFORE_NEXT),
@@ -241,7 +257,7 @@ class _Measuring:
             worst("lag off", lags, RHYTHM_LAG, "deg")
             if does.at is not None:
                 off = off_centre(rhythm, time, swung)
-                worst("centre off", off, RHYTHM_CENTRE, "m")
+                worst("centre off", off, RHYTHM_CENTRE * self.size, "m")
         if not measures:
             off = off_swing(does, time, swung, start, end)
             worst("swing off", off, RHYTHM_AMPLITUDE, "%")
@@ -267,14 +283,13 @@ class _Measuring:
         recording, task = self.recording, graph.spec
         deepest = self.replay.penetration
         limits = self.replay.torque_limits()
-        share = np.abs(recording.torque) / limits
+        share = np.abs(self.replay.torque_share())
         row, dof = np.unravel_index(np.nanargmax(share), share.shape)
         checks = [
-            Measure(
+            self._length(
                 "worst penetration",
                 abs(deepest.distance),
                 PENETRATION,
-                "m",
                 f"{deepest.geoms[0]} and {deepest.geoms[1]} at {deepest.time:.2f} s"
                 if deepest.distance < 0
                 else "",

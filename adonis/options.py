@@ -13,9 +13,12 @@ TaskArgument = Annotated[
     str, typer.Argument(metavar="TASK", help="A task of the library (see `adonis list`) or a file.")
 ]
 BodyOption = Annotated[
-    str,
+    str | None,
     typer.Option(
-        "--body", metavar="BODY", help="Body that does it: a name of `adonis list` or a body file."
+        "--body",
+        metavar="BODY",
+        help="Body that does it: a name of `adonis list` or a body file.",
+        show_default="the task's own, else adonis",
     ),
 ]
 TempoOption = Annotated[
@@ -34,6 +37,12 @@ WaysOption = Annotated[
     str | None,
     typer.Option(
         "--out", metavar="FILE", help="The task with its ways.", show_default="TASK-rehearsed.yaml"
+    ),
+]
+MorphOption = Annotated[
+    str | None,
+    typer.Option(
+        "--morph", metavar="NAME", help="Become this person meanwhile, who is there in the end."
     ),
 ]
 AfreshOption = Annotated[

@@ -18,8 +18,9 @@ from adonis.comparison.human import Human
 from adonis.comparison.report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
 from adonis.errors import InputError
+from adonis.morphing import Becoming, morph
 from adonis.rehearsal.keeping import rehearsed
-from adonis.rehearsal.rehearsing import Rehearsed
+from adonis.rehearsal.searching import Rehearsed
 from adonis.reporting import Results, prepare_folder, remove_folders, write_results
 from adonis.showing import print_comparison
 from primitives import Primitive
@@ -38,6 +39,7 @@ def perform(
     seed: int,
     video: bool,
     events: Sequence[tuple[float, str]] = (),
+    becoming: Sequence[tuple[float, BoundTask]] = (),
 ) -> tuple[Results, Stopped | None]:
     """Do a task and write its results, with a bar that says how far it is.
 
@@ -49,6 +51,7 @@ def perform(
         seed: see `run_task`.
         video: whether to render an MP4 as well.
         events: see `run_task`.
+        becoming: see `run_task`.
 
     Returns:
         The results, and why the run broke off if it did.
@@ -65,7 +68,7 @@ def perform(
     try:
         made = prepare_folder(folder)
         ours = not part.exists()
-        with Progress(*_columns(), console=console, transient=True) as bar:
+        with Progress(*bar_columns(), console=console, transient=True) as bar:
             shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
 
             def moving(share: float, subtask: str) -> None:
@@ -76,8 +79,9 @@ def perform(
 
             try:
                 recordings = run_task(
-                    bound, start=start, seed=seed, part=part, progress=moving, events=events
-                )
+                    bound, start=start, seed=seed, part=part, progress=moving, events=events,
+                    becoming=becoming,
+                )  # fmt: skip
             except Stopped as problem:
                 if len(problem.recordings[0].time) < FEWEST_ROWS:
                     raise
@@ -119,11 +123,23 @@ def events_of(asked: Iterable[str], known: Sequence[str]) -> list[tuple[float, s
     return found
 
 
+def perform_morph(
+    console: Console, bound: BoundTask, to: str, *, limits: bool, contacts: bool
+) -> Becoming:
+    """Make the bodies on the way to another person, with a bar: see `morph`."""
+    with Progress(*bar_columns(), console=console, transient=True) as bar:
+        shown = bar.add_task("", total=1.0)
+        return morph(
+            bound, to, limits=limits, contacts=contacts,
+            progress=lambda share, what: bar.update(shown, completed=share, description=what),
+        )  # fmt: skip
+
+
 def perform_rehearsal(
     console: Console, bound: BoundTask, *, seed: int, afresh: bool
 ) -> tuple[BoundTask, dict[str, Rehearsed]]:
     """Find the ways that a task lacks, with a bar: see `rehearsed`."""
-    with Progress(*_columns(), console=console, transient=True) as bar:
+    with Progress(*bar_columns(), console=console, transient=True) as bar:
         shown = bar.add_task("rehearsing (slow only the first time)", total=1.0)
 
         def trying(share: float, subtask: str) -> None:
@@ -154,7 +170,7 @@ def perform_comparison(
     made = prepare_folder(folder)
     done = False
     try:
-        with Progress(*_columns(), console=console, transient=True) as bar:
+        with Progress(*bar_columns(), console=console, transient=True) as bar:
             shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
             comparison, written = compare_and_write(
                 task, body, folder, dancers=dancers, human=human, quick=quick, seed=seed,
@@ -168,7 +184,7 @@ def perform_comparison(
     print_comparison(console, comparison, written)
 
 
-def _columns() -> tuple[ProgressColumn, ...]:
+def bar_columns() -> tuple[ProgressColumn, ...]:
     """What a bar shows."""
     return (
         SpinnerColumn(),

@@ -41,7 +41,7 @@ def plot_hand_speed(recording: Recording, replay: Replay, names: BodyMap, path: 
 
 def plot_torque(recording: Recording, replay: Replay, names: BodyMap, path: Path) -> None:
     """Torque of every joint as a share of its limit, limb by limb."""
-    limits = replay.torque_limits()
+    share = replay.torque_share()
     parts = {name: limb.joints for name, limb in names.limbs.items()}
     parts |= {name: joints for name, joints in names.groups.items() if joints}
     figure, rows = plt.subplots(
@@ -51,7 +51,7 @@ def plot_torque(recording: Recording, replay: Replay, names: BodyMap, path: Path
         for joint in joints:
             dof = replay.dof(joint)
             label = joint.removeprefix("right_").removeprefix("left_")
-            axes.plot(recording.time, recording.torque[:, dof] / limits[dof], label=label, lw=1)
+            axes.plot(recording.time, share[:, dof], label=label, lw=1)
         axes.axhline(0, color="#999999", lw=0.6)
         top = 1.15 * max(0.2, float(np.max(np.abs(axes.get_ylim()))))
         axes.set(ylim=(-min(top, 1.05), min(top, 1.05)), ylabel=part.replace("_", " "))

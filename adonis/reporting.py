@@ -144,6 +144,12 @@ def write_results(
         files["attribution"] = folder / "attribution.png"
         plot_attribution(recording, replay, names, found, files["attribution"])
     notices = list(found.warnings)
+    if (became := report["morph"]) is not None:
+        notices.append(
+            f"it became {became['to']} in {became['bodies']} bodies; at each step kinetic energy"
+            f" changed by at most {became['largest_kinetic_energy_change']:.3f} J, and a palm was"
+            f" moved by at most {1000.0 * became['largest_shift_of_a_palm']:.2f} mm"
+        )
     palms = [limb.palm for limb in names.limbs.values()]
     try:
         tell("filmstrip")
@@ -169,12 +175,14 @@ def report_of(
     """The report as plain data; times in seconds of the recording."""
     about = recording.about
     checks = {c.what: c for c in judgement.checks}
+    names = BodyMap.model_validate(about["body_map"])
     nearest = clearance(recording, spec)
     return {
         "success": judgement.success,
         "task": spec.task,
         "title": spec.title,
         "body": about["body"],
+        "morph": morph_of(recording, replay, names),
         "tempo": spec.tempo,
         "seed": about["seed"],
         "duration": float(recording.time[-1]) if len(recording.time) else 0.0,
@@ -252,6 +260,19 @@ def write_text(path: Path, text: str) -> None:
         raise OutputError(f"cannot write {path}: {problem.strerror}") from None
 
 
+def morph_of(recording: Recording, replay: Replay, names: BodyMap) -> dict[str, Any] | None:
+    """What became of a body that became others; None of one that stayed as it was."""
+    kinetic, moved = replay.changes([limb.palm for limb in names.limbs.values()])
+    if not len(kinetic):
+        return None
+    return {
+        "to": recording.about["becomes"],
+        "bodies": len(kinetic) + 1,
+        "largest_kinetic_energy_change": float(np.abs(kinetic).max()),
+        "largest_shift_of_a_palm": float(moved.max()),
+    }
+
+
 def _draft(path: Path) -> Path:
     return path.with_name(path.name + ".tmp")
 
@@ -264,6 +285,5 @@ def _largest_step(recording: Recording) -> float:
 
 def saturation(recording: Recording) -> float:
     """Share of the recorded steps in which any motor is at its limit."""
-    limits = Replay(recording).torque_limits()
-    at_limit = np.abs(recording.torque) >= limits * (1.0 - 1e-9)  # never where there is no motor
+    at_limit = np.abs(Replay(recording).torque_share()) >= 1.0 - 1e-9  # never without a motor
     return float(at_limit.any(axis=1).mean())

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from adonis.comparison.comparing import Comparison
 from adonis.comparison.report import Written, failures, summary
-from adonis.rehearsal.rehearsing import Rehearsed
+from adonis.rehearsal.searching import Rehearsed
 from adonis.verdicts import Judgement, Verdict
 
 

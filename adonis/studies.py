@@ -6,13 +6,13 @@ from typing import Annotated
 
 import typer
 
-from adonis.arguments import FAILED, classes, given_path, load, refuse
+from adonis.arguments import FAILED, classes, given_path, load, refuse, whose
 from adonis.options import BodyOption, PrimitivesOption, TaskArgument
 
 
 def trials(
     task: TaskArgument,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     out: Annotated[
         str | None,
         typer.Option(
@@ -37,14 +37,19 @@ def trials(
 
     console = Console()
     wished = given_path("--out", out)
-    spec, document = load(task, None, primitives)
+    spec, document = load(task, primitives)
     folder = wished or Path("runs") / f"{spec.task}-trials"
     try:
         with console.status("starting") as status:
             rows = run_trials(
-                spec, document, body=find_body(body), starts=starts, seed=seed, threads=threads,
+                spec,
+                document,
+                body=find_body(whose(spec, body)),
+                starts=starts,
+                seed=seed,
+                threads=threads,
                 progress=status.update,
-            )  # fmt: skip
+            )
         write_trials(rows, folder)
     except (OutputError, SimError, SpecError) as problem:
         refuse(problem)
@@ -64,7 +69,7 @@ def compare(
             show_default="pd-servo,torque-field,impedance,combined",
         ),
     ] = None,
-    body: BodyOption = "adonis",
+    body: BodyOption = None,
     human: Annotated[
         str | None,
         typer.Option(
@@ -100,13 +105,13 @@ def compare(
     from sim import SimError
     from specs import SpecError, find_body
 
-    spec, _ = load(task, None, primitives)
+    spec, _ = load(task, primitives)
     names = DANCERS if controllers is None else tuple(n.strip() for n in controllers.split(","))
     wished = given_path("--out", out)
     try:
         perform_comparison(
             task,
-            find_body(body),
+            find_body(whose(spec, body)),
             wished or Path("runs") / f"{spec.task}-compared",
             dancers=names,
             human=known_human(spec.task) if human is None else load_human(human),

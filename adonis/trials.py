@@ -14,7 +14,7 @@ from adonis.judging import judge
 from adonis.reporting import prepare_folder, write_text
 from adonis.verdicts import Judgement
 from sim import Body, Push, Recording, load_body
-from specs import BoundTask, Document, TaskSpec, bind_task, with_tempo
+from specs import BoundTask, Document, TaskSpec, bind_task, fitted, with_tempo
 
 OTHERS = {"adonis": "adonis-female"}  # bodies that are tried on another as well
 TEMPOS = (80.0, 120.0)  # beats per minute, beside the task's own
@@ -75,6 +75,7 @@ def run_trials(
     """
     rows: list[Trial] = []
     body = load_body("adonis") if body is None else body
+    spec = fitted(spec, body, document)
 
     def run(task: BoundTask, conditions: Sequence[str], **options: Any) -> None:
         if progress is not None:
@@ -97,7 +98,8 @@ def run_trials(
         run(bind_task(with_tempo(spec, tempo), body, document), [f"{tempo:g} bpm"])
     if body.map.name in OTHERS:
         other = load_body(OTHERS[body.map.name])
-        run(bind_task(spec, other, document), [f"female, {spec.tempo:g} bpm"])
+        danced = fitted(spec, other, document, tempo=spec.tempo)
+        run(bind_task(danced, other, document), [f"female, {spec.tempo:g} bpm"])
     pushes = _pushes(task)
     run(task, [said for said, _ in pushes], pushes=[p for _, p in pushes])
     if starts:

@@ -224,9 +224,14 @@ class Arbiter:
         Raises:
             ArbiterError: this arbiter does not keep them.
         """
-        if not len(self._contribution):
+        if not self.keeps:
             raise ArbiterError("this arbiter was made with contributions=False")
         return self._contribution
+
+    @property
+    def keeps(self) -> bool:
+        """Whether it keeps what each primitive asked for."""
+        return bool(len(self._contribution))
 
     @property
     def most_channels(self) -> int:

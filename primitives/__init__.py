@@ -11,6 +11,7 @@ from primitives.look_at import LookAt
 from primitives.oscillate import Oscillate, Swing, TempoChange
 from primitives.point_at import PointAt
 from primitives.primitive import Field, Primitive
+from primitives.quantity import Quantity
 from primitives.relax import Relax
 from primitives.target import Target
 
@@ -28,6 +29,7 @@ __all__ = [
     "PointAt",
     "Primitive",
     "PrimitiveError",
+    "Quantity",
     "Relax",
     "Swing",
     "Target",

@@ -6,18 +6,21 @@ added to those of whatever moves the body. A hand that is to touch a link is let
 that one link as its set point arrives there.
 """
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
 from primitives.compiled import Records
 from primitives.compiled_field import CompiledField
 from primitives.errors import PrimitiveError
-from primitives.parameters import NonNegative, Positive
+from primitives.parameters import Damping, Positive, Stiffness
 from primitives.primitive import NO_JOINTS, Primitive
+from primitives.quantity import Quantity
 from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR
 from primitives.table import GUARDING, TableBuilder
 from sim import Body
+
+Range = Annotated[Positive, Quantity.LENGTH]
 
 
 class AvoidCollisions(Primitive):
@@ -25,9 +28,9 @@ class AvoidCollisions(Primitive):
 
     kind: Literal["avoid-collisions"] = "avoid-collisions"
     pairs: tuple[tuple[str, str], ...] | None = None  # of links; default: the body's keep_apart
-    range: Positive = 0.015  # distance of the surfaces at which it begins to push [m]
-    stiffness: Positive = 800.0  # force at contact, per metre of range [N/m]
-    damping: NonNegative = 20.0  # of drawing nearer [N s/m]
+    range: Range | None = None  # distance at which it begins to push [m]; default: the body's
+    stiffness: Stiffness | None = None  # force at contact, per metre of range [N/m]; the same
+    damping: Damping | None = None  # of drawing nearer [N s/m]; the same
 
     def bind(self, body: Body, duration: float) -> "GuardField":
         """See `Primitive.bind`."""
@@ -48,8 +51,9 @@ class AvoidCollisions(Primitive):
         pairs = np.array([(links.index(a), links.index(b)) for a, b in names], dtype=PAIR)
         guard = np.zeros(1, dtype=GUARD)
         guard["link_count"], guard["pair_count"] = len(links), len(pairs)
-        guard["range"], guard["stiffness"] = self.range, self.stiffness
-        guard["damping"] = self.damping
+        for name, usual in body.map.guard:
+            given = getattr(self, name)
+            guard[name] = usual if given is None else given
         return GuardField(body, guard, guarded, pairs, capsules)
 
 

@@ -12,9 +12,10 @@ from pydantic import Field as Parameter
 
 from primitives.goal_field import GoalField
 from primitives.impedance import POINT
-from primitives.parameters import SETTLE, Direction, NonNegative, Positive, Vector, settling
+from primitives.parameters import SETTLE, Damping, Direction, Offset, Stiffness, Time, settling
 from primitives.primitive import FloatArray, Primitive
 from primitives.pursuit import KNOT, spline_velocities
+from primitives.quantity import Quantity
 from primitives.reach_field import HandGoal, hand_springs
 from primitives.table import PURSUIT, TableBuilder
 from primitives.target import Target, locate, refuse_own
@@ -36,12 +37,13 @@ class Trajectory(BaseModel):
     # [s] since the sub-task began
     times: Annotated[
         tuple[float, ...],
+        Quantity.TIME,
         BeforeValidator(_listed),
         Parameter(min_length=2, max_length=MOST_POINTS),
     ]
     # forward, left, up of the trunk's origin [m]
     points: Annotated[
-        tuple[Vector, ...],
+        tuple[Offset, ...],
         BeforeValidator(_listed),
         Parameter(min_length=2, max_length=MOST_POINTS),
     ]
@@ -69,13 +71,13 @@ class Follow(Primitive):
     to: str | Target | None = None  # a landmark, which is touched, or {hand: LIMB}, …; or
     trajectory: Trajectory | None = None  # {times: […], points: [[…], …]}
     palm: Direction | None = None  # where it faces; default: onto the landmark, else free
-    settle: Positive = SETTLE  # time in which it catches up with the point [s]
+    settle: Time = SETTLE  # time in which it catches up with the point [s]
     # Gains of the hand's spring; default: the body's.
-    stiffness: Positive | None = None  # [N/m]
-    damping: NonNegative | None = None  # [N s/m]
-    turn_stiffness: Positive | None = None  # [N m/rad]
-    turn_damping: NonNegative | None = None  # [N m s/rad]
-    shoulder_damping: NonNegative | None = None  # [N m s/rad]
+    stiffness: Stiffness | None = None  # [N/m]
+    damping: Damping | None = None  # [N s/m]
+    turn_stiffness: Stiffness | None = None  # [N m/rad]
+    turn_damping: Damping | None = None  # [N m s/rad]
+    shoulder_damping: Damping | None = None  # [N m s/rad]
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

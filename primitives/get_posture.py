@@ -16,13 +16,14 @@ from pydantic import Field as Parameter
 
 from primitives.errors import PrimitiveError
 from primitives.parameters import (
-    BACKGROUND_SETTLING,
     PROFILES,
     Controller,
+    Damping,
     Direction,
-    NonNegative,
     Positive,
     Share,
+    Stiffness,
+    background_settling,
     check_own,
     via_times,
 )
@@ -60,13 +61,13 @@ class GetPosture(Primitive):
     profile: Profile | None = None  # of the set point; default: what suits the controller
     travel: Annotated[float, Parameter(gt=0, le=1)] = 1.0  # share of the time it moves
     # Gains; default: the body's. In joints [N m/rad, N m s/rad], of the palm [N/m, N s/m].
-    stiffness: Positive | None = None
-    damping: NonNegative | None = None
+    stiffness: Stiffness | None = None
+    damping: Damping | None = None
     width: Positive | None = None  # of a torque field's wells [rad]; eq 3: 1 / sqrt(stiffness)
     coupled: bool = False  # whether the wells of a torque field are coupled
     # Gains of the Cartesian controllers.
-    turn_stiffness: Positive | None = None  # [N m/rad]
-    turn_damping: NonNegative | None = None  # [N m s/rad]
+    turn_stiffness: Stiffness | None = None  # [N m/rad]
+    turn_damping: Damping | None = None  # [N m s/rad]
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -84,7 +85,7 @@ class GetPosture(Primitive):
             [self._angles(body, claims, p) for p in (*(v.posture for v in self.via), self.posture)]
         )
         times = via_times([v.at for v in self.via])
-        moving = self.travel * duration if np.isfinite(duration) else BACKGROUND_SETTLING
+        moving = self.travel * duration if np.isfinite(duration) else background_settling(body)
         profile = self.profile or PROFILES[self.controller]
         match self.controller:
             case "impedance" | "endpoint-force" as controller:

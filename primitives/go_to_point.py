@@ -14,15 +14,17 @@ from pydantic import BaseModel, ConfigDict, model_validator
 from pydantic import Field as Parameter
 
 from primitives.parameters import (
-    BACKGROUND_SETTLING,
     PROFILES,
+    Approach,
     Controller,
+    Damping,
     Direction,
-    NonNegative,
-    NonPositive,
+    Length,
+    Offset,
     Positive,
     Share,
-    Vector,
+    Stiffness,
+    background_settling,
     check_own,
     via_times,
 )
@@ -39,9 +41,9 @@ class Place(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     near: str | None = None  # a landmark
-    away: float = 0.0  # this far out along its normal [m]
-    point: Vector | None = None  # forward, left, up of the trunk's origin [m]
-    offset: Vector = (0.0, 0.0, 0.0)  # added: forward, left, up at home; it turns with the link [m]
+    away: Length = 0.0  # this far out along its normal [m]
+    point: Offset | None = None  # forward, left, up of the trunk's origin [m]
+    offset: Offset = (0.0, 0.0, 0.0)  # added: forward, left, up at home; it turns with the link [m]
 
     @model_validator(mode="after")
     def _one_of(self) -> "Place":
@@ -72,17 +74,17 @@ class GoToPoint(Primitive):
     profile: Profile | None = None  # of the set point; default: what suits the controller
     travel: Annotated[float, Parameter(gt=0, le=1)] = 0.85  # share of the time it moves
     # Gains; default: the body's. Of the palm [N/m, N s/m], in joints [N m/rad, N m s/rad].
-    stiffness: Positive | None = None
-    damping: NonNegative | None = None
+    stiffness: Stiffness | None = None
+    damping: Damping | None = None
     # Further gains of the impedance.
-    turn_stiffness: Positive | None = None  # [N m/rad]
-    turn_damping: NonNegative | None = None  # [N m s/rad]
-    upper_arm_stiffness: Positive | None = None  # [N m/rad]
-    upper_arm_damping: NonNegative | None = None  # [N m s/rad]
-    shoulder_damping: NonNegative | None = None  # [N m s/rad]
+    turn_stiffness: Stiffness | None = None  # [N m/rad]
+    turn_damping: Damping | None = None  # [N m s/rad]
+    upper_arm_stiffness: Stiffness | None = None  # [N m/rad]
+    upper_arm_damping: Damping | None = None  # [N m s/rad]
+    shoulder_damping: Damping | None = None  # [N m s/rad]
     # Of the force on the hand.
-    approach: NonPositive | None = None  # c of eq 10 [N s/m^2]
-    joint_damping: NonNegative | None = None  # [N m s/rad]
+    approach: Approach | None = None  # c of eq 10 [N s/m^2]
+    joint_damping: Damping | None = None  # [N m s/rad]
     # Of a torque field.
     width: Positive | None = None  # of its wells [rad]; eq 3: 1 / sqrt(stiffness)
     coupled: bool = False  # whether its wells are coupled
@@ -97,7 +99,7 @@ class GoToPoint(Primitive):
         arm = body.arm(self.limb)
         goal = self.hand_goal(body, arm)
         times = via_times([v.at for v in self.via])
-        moving = self.travel * duration if np.isfinite(duration) else BACKGROUND_SETTLING
+        moving = self.travel * duration if np.isfinite(duration) else background_settling(body)
         profile = self.profile or PROFILES[self.controller]
         match self.controller:
             case "impedance" | "endpoint-force" as controller:

@@ -10,7 +10,7 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from primitives.parameters import NonNegative, Positive
+from primitives.parameters import Damping, Stiffness
 from primitives.posture_field import joint_gains
 from primitives.primitive import Primitive
 from primitives.stay_field import StayField
@@ -23,8 +23,8 @@ class Hold(Primitive):
     kind: Literal["hold"] = "hold"
     limb: str | None = None  # an arm of the body, or
     joints: tuple[str, ...] | None = None  # joints and joint groups; `all` is every joint
-    stiffness: Positive | None = None  # [N m/rad]; default: of each joint's servo
-    damping: NonNegative | None = None  # [N m s/rad]; the same
+    stiffness: Stiffness | None = None  # [N m/rad]; default: of each joint's servo
+    damping: Damping | None = None  # [N m s/rad]; the same
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

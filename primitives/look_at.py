@@ -10,7 +10,7 @@ import numpy as np
 from primitives.compiled_field import CompiledField
 from primitives.errors import PrimitiveError
 from primitives.gaze import Looking
-from primitives.parameters import SETTLE, NonNegative, Positive, settling
+from primitives.parameters import SETTLE, Damping, Stiffness, Time, settling
 from primitives.primitive import FloatArray, IntArray, Primitive
 from primitives.table import GAZE, TableBuilder
 from primitives.target import Target, locate, refuse_own
@@ -25,9 +25,9 @@ class LookAt(Primitive):
     kind: Literal["look-at"] = "look-at"
     at: str | Target  # a landmark, or {hand: LIMB}, {near: LANDMARK, away: …}, {point: […]}
     joints: tuple[str, ...] | None = None  # that turn it; default: the head's, without the waist
-    settle: Positive = SETTLE  # time in which it turns there [s]
-    stiffness: Positive | None = None  # [N m/rad]; default: that of the joints' stiffest servo
-    damping: NonNegative | None = None  # [N m s/rad]; the same
+    settle: Time = SETTLE  # time in which it turns there [s]
+    stiffness: Stiffness | None = None  # [N m/rad]; default: that of the joints' stiffest servo
+    damping: Damping | None = None  # [N m s/rad]; the same
 
     def bind(self, body: Body, duration: float) -> "GazeField":
         """See `Primitive.bind`."""

@@ -14,7 +14,15 @@ from pydantic import BaseModel, ConfigDict, model_validator
 from pydantic import Field as Parameter
 
 from primitives.errors import PrimitiveError
-from primitives.parameters import Direction, NonNegative, Positive
+from primitives.parameters import (
+    Damping,
+    Direction,
+    Frequency,
+    Length,
+    NonNegative,
+    Positive,
+    Stiffness,
+)
 from primitives.posture_field import joint_gains
 from primitives.primitive import FloatArray, Primitive
 from primitives.reach_field import HandGoal
@@ -44,7 +52,7 @@ class HandSwing(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
-    amplitude: Annotated[float, Parameter(gt=0, le=2)]  # to either side [m]
+    amplitude: Annotated[Length, Parameter(gt=0, le=2)]  # to either side [m]
     lag: Annotated[float, Parameter(ge=-360, le=360)] = 0.0  # behind the rhythm [deg]
 
 
@@ -54,7 +62,7 @@ class TempoChange(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     cycle: Positive  # how many cycles have passed by then
-    frequency: Positive | None = None  # [Hz]
+    frequency: Frequency | None = None  # [Hz]
     beats_per_cycle: Positive | None = None  # at the tempo of the task
 
     @model_validator(mode="after")
@@ -72,7 +80,7 @@ class Oscillate(Primitive):
     along: Annotated[dict[str, HandSwing], Parameter(min_length=1)] | None = None  # directions
     at: str | Target | None = None  # the centre of a hand's swing; default: where the palm is
     palm: Direction | None = None  # where it faces; default: free
-    frequency: Positive | None = None  # [Hz], or
+    frequency: Frequency | None = None  # [Hz], or
     beats_per_cycle: Positive | None = None  # at the task's tempo
     then: tuple[TempoChange, ...] = ()  # other paces later
     phase: Annotated[float, Parameter(ge=-360, le=360)] = 0.0  # at the beginning [deg]
@@ -84,11 +92,11 @@ class Oscillate(Primitive):
     coupling: Annotated[float, Parameter(ge=0, lt=1)] = 0.5  # how firmly joints keep their lags
     # Gains of the joints' springs [N m/rad, N m s/rad], or of the hand's [N/m, N s/m]; default: the
     # body's. Then those that only a hand has.
-    stiffness: Positive | None = None
-    damping: NonNegative | None = None
-    turn_stiffness: Positive | None = None  # [N m/rad]
-    turn_damping: NonNegative | None = None  # [N m s/rad]
-    shoulder_damping: NonNegative | None = None  # [N m s/rad]
+    stiffness: Stiffness | None = None
+    damping: Damping | None = None
+    turn_stiffness: Stiffness | None = None  # [N m/rad]
+    turn_damping: Damping | None = None  # [N m s/rad]
+    shoulder_damping: Damping | None = None  # [N m s/rad]
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

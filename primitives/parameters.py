@@ -8,8 +8,10 @@ from pydantic import Field as Parameter
 
 from primitives.errors import PrimitiveError
 from primitives.posture_field import JointController
+from primitives.quantity import Quantity
 from primitives.reach_field import CartesianController
 from primitives.set_point import Profile
+from sim import Body
 
 Vector = tuple[float, float, float]
 Direction = str | Vector
@@ -17,6 +19,14 @@ Share = Annotated[float, Parameter(gt=0, lt=1)]
 Positive = Annotated[float, Parameter(gt=0, le=1e9)]
 NonNegative = Annotated[float, Parameter(ge=0, le=1e9)]
 NonPositive = Annotated[float, Parameter(le=0)]
+# What depends on the size of the body: see `quantity`.
+Length = Annotated[float, Quantity.LENGTH]  # [m]
+Offset = Annotated[Vector, Quantity.LENGTH]  # [m]
+Time = Annotated[Positive, Quantity.TIME]  # [s]
+Frequency = Annotated[Positive, Quantity.FREQUENCY]  # [Hz]
+Stiffness = Annotated[Positive, Quantity.GAIN]
+Damping = Annotated[NonNegative, Quantity.GAIN]
+Approach = Annotated[NonPositive, Quantity.GAIN]
 Controller = Literal["pd-servo", "torque-field", "impedance", "endpoint-force"]
 
 JOINT_CONTROLLERS: tuple[JointController, ...] = ("pd-servo", "torque-field")
@@ -43,11 +53,15 @@ OWN_PARAMETERS: Mapping[str, tuple[Controller, ...]] = {
 
 GAINS = ("stiffness", "damping")  # of every controller, in units of its own
 
-# Time in which something in the background moves its set point from where the body is [s].
-BACKGROUND_SETTLING = 0.5
+BACKGROUND_SETTLING = 0.5  # on a body of the size of Adonis [s]
 
 SETTLE = 0.5  # time in which look-at, point-at and follow set in, unless told otherwise [s]
 MOST_OF_IT = 0.85  # and the share of their own time that this may take
+
+
+def background_settling(body: Body) -> float:
+    """Time in which something in the background moves its set point from where the body is [s]."""
+    return BACKGROUND_SETTLING * body.map.time_scale
 
 
 def settling(asked: float, duration: float) -> float:

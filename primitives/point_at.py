@@ -7,7 +7,7 @@ from typing import Literal
 
 from primitives.compiled_field import CompiledField
 from primitives.look_at import flat
-from primitives.parameters import SETTLE, NonNegative, Positive, settling
+from primitives.parameters import SETTLE, Damping, Stiffness, Time, settling
 from primitives.pointing import Pointing
 from primitives.primitive import Primitive
 from primitives.table import POINT_ARM, TableBuilder
@@ -21,9 +21,9 @@ class PointAt(Primitive):
     kind: Literal["point-at"] = "point-at"
     limb: str  # an arm
     at: str | Target  # a landmark, or {hand: LIMB}, {near: LANDMARK, away: …}, {point: […]}
-    settle: Positive = SETTLE  # time in which the arm gets there [s]
-    stiffness: Positive | None = None  # [N m/rad]; default: that of the shoulder's stiffest servo
-    damping: NonNegative | None = None  # [N m s/rad]; the same
+    settle: Time = SETTLE  # time in which the arm gets there [s]
+    stiffness: Stiffness | None = None  # [N m/rad]; default: that of the shoulder's stiffest servo
+    damping: Damping | None = None  # [N m s/rad]; the same
 
     def bind(self, body: Body, duration: float) -> "PointingField":
         """See `Primitive.bind`."""

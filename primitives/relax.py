@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import model_validator
 
 from primitives.compiled_field import CompiledField
-from primitives.parameters import NonNegative
+from primitives.parameters import Damping
 from primitives.primitive import FloatArray, IntArray, Primitive
 from primitives.table import LOOSE, TableBuilder
 from sim import Body
@@ -30,7 +30,7 @@ class Relax(Primitive):
     # Whether it falls; else compensate-gravity carries it on. Without compensate-gravity
     # everything falls, and this is refused.
     limp: bool = False
-    damping: NonNegative | None = None  # [N m s/rad]; default: a tenth of that of each servo
+    damping: Damping | None = None  # [N m s/rad]; default: a tenth of that of each servo
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, model_validator
 
 from primitives.errors import PrimitiveError
-from primitives.parameters import Vector
+from primitives.parameters import Length, Offset
 from primitives.primitive import IntArray
 from sim import Body, Spot, moving_dofs
 
@@ -18,9 +18,9 @@ class Target(BaseModel):
 
     near: str | None = None  # a landmark
     hand: str | None = None  # a limb: the centre of its palm
-    away: float = 0.0  # this far out along the normal of the landmark or palm [m]
-    point: Vector | None = None  # forward, left, up of the trunk's origin [m]
-    offset: Vector = (0.0, 0.0, 0.0)  # added: forward, left, up at home; it turns with the link [m]
+    away: Length = 0.0  # this far out along the normal of the landmark or palm [m]
+    point: Offset | None = None  # forward, left, up of the trunk's origin [m]
+    offset: Offset = (0.0, 0.0, 0.0)  # added: forward, left, up at home; it turns with the link [m]
 
     @model_validator(mode="after")
     def _one_of(self) -> Self:

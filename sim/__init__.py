@@ -1,9 +1,10 @@
 """Floor 1: bodies, physics and recordings. The only floor that imports MuJoCo."""
 
+from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.arm7 import arm7
-from sim.bodies import BODIES, adonis, load_body
+from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
-from sim.body_map import BodyMap, Head, Limb, Servo, Spring
+from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
 from sim.clearance import clearances, depth_inside
 from sim.errors import (
     BeyondRange,
@@ -14,14 +15,18 @@ from sim.errors import (
     SimError,
     unknown,
 )
-from sim.extending import extended, halfway
+from sim.extending import extended, halfway, renamed
 from sim.foreign.body_file import BodyFile
 from sim.foreign.building import build_body, hanging_places
 from sim.foreign.proposal import Proposal, body_name, propose
 from sim.foreign.reading import Source, read_model
+from sim.gains import Gains, firmer, mean_hand, mean_joint, scaled_gains, spring_laws
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
 from sim.lag import Haste, Lag
+from sim.laws import Law
+from sim.likeness import Likeness, likeness
+from sim.morphing import between, person_named
 from sim.motions import (
     Motion,
     inverse_dynamics,
@@ -29,6 +34,8 @@ from sim.motions import (
     site_paths,
     straight_motion,
 )
+from sim.people import person
+from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
 from sim.portrait import render_portrait
 from sim.posing import ArmWords, pose
@@ -36,6 +43,7 @@ from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
+from sim.scaling import scaled
 from sim.spring_way import (
     HandPath,
     Springs,
@@ -53,7 +61,11 @@ from sim.world import BareWorld, Moment, Push, World
 __all__ = [
     "BODIES",
     "DIRECTIONS",
+    "FEMALE",
+    "MALE",
+    "PEOPLE",
     "VIEWS",
+    "Anthropometry",
     "Arm",
     "ArmWords",
     "BareWorld",
@@ -67,12 +79,16 @@ __all__ = [
     "Detour",
     "Diverged",
     "Frame",
+    "Gains",
     "Gaze",
+    "Guard",
     "HandPath",
     "Haste",
     "Head",
     "Inertias",
     "Lag",
+    "Law",
+    "Likeness",
     "Limb",
     "Moment",
     "Motion",
@@ -98,6 +114,7 @@ __all__ = [
     "adonis",
     "arm7",
     "axes_of",
+    "between",
     "body_name",
     "build_body",
     "carrier",
@@ -106,27 +123,38 @@ __all__ = [
     "extended",
     "find_gaze",
     "find_way",
+    "firmer",
     "halfway",
     "hanging_places",
     "inertias",
     "inverse_dynamics",
     "joint_inertia",
+    "likeness",
     "load_body",
     "mass_matrix",
+    "mean_hand",
+    "mean_joint",
     "minimum_jerk_profile",
     "moving_dofs",
     "origin",
     "palm_jacobian",
+    "person",
+    "person_named",
+    "person_of",
     "places_of",
     "planar_arm",
     "pose",
     "propose",
     "reach",
     "read_model",
+    "renamed",
     "render_filmstrip",
     "render_portrait",
     "render_video",
+    "scaled",
+    "scaled_gains",
     "site_paths",
+    "spring_laws",
     "spring_way",
     "straight_motion",
     "straight_way",

@@ -16,7 +16,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from sim.anthropometry import Anthropometry, Segment
+from sim.anthropometry import MALE, PALM, Anthropometry, Segment
 from sim.landmarks import Ray, place_landmarks
 from sim.scenery import set_scene
 
@@ -28,7 +28,7 @@ TROUSERS = (0.20, 0.21, 0.25, 1.0)
 DARK = (0.13, 0.10, 0.09, 1.0)
 FRICTION = 0.2  # clothed skin on skin
 SOFTNESS = [0.02, 1.0]  # of flesh in contact: time constant [s] and damping ratio
-EYES = (0.094, 0.0, 0.64)  # between them: forward [m], left, up [lengths of the head]
+EYES = (0.387, 0.0, 0.64)  # between them: forward, left, up [lengths of the head]
 SIDES = {"right": -1.0, "left": 1.0}
 
 # Range [deg], torque limit [N m] (joint torque bounds of the BSD-licensed human.urdf),
@@ -168,8 +168,6 @@ class _Builder:
             self._capsule(pelvis, f"{side}_foot", heel, toe, 0.04, DARK)
             crest = (0.0, s * (half - b), 0.32 * top)
             self._landmark(f"{side}_hip", pelvis, crest, (0.45, s, 0.15))
-            # Where the other hand comes to lie: it cannot face the side from across the body.
-            self._landmark(f"{side}_hip.front", pelvis, crest, (1.0, 0.45 * s, 0.15))
         _inertial(pelvis, person.mass * 0.4, (0, 0, -0.3), (1.0, 1.0, 0.3))
 
     def _pedestal(self, trunk: Any, s: float) -> None:
@@ -219,6 +217,9 @@ class _Builder:
             self._landmark(
                 f"{side}_ribs", trunk, (0, s * (chest - r), 0.39 * length), (1.3, s, 0.0)
             )
+            # Front of the iliac crest, at the belt: where a hand comes to lie from across the body.
+            belt = (0, 0.75 * y, 0.08 * length)
+            self._landmark(f"{side}_hip.front", trunk, belt, (1.0, 0.30 * s, 0.0))
         self._capsule(trunk, "sternum", (0, 0, 0.30 * length), (0, 0, 0.56 * length), b, SHIRT)
         upper = 0.40 * chest
         self._capsule(
@@ -238,23 +239,26 @@ class _Builder:
 
     def _head(self, trunk: Any) -> None:
         segment, length = self.person.head, self.person.head.length
+        # A head that is large for its body, as a child's, is mostly skull.
+        k = length / MALE.head.length
+        f = k**0.5
         head = trunk.add_body(name="head", pos=[0.0, 0.0, self.person.waist_length])
         self._joints(head, ("neck_z", "neck_x", "neck_y"))
-        _inertial(head, segment.mass, (0.005, 0, length - segment.com), segment.inertia)
+        _inertial(head, segment.mass, (0.005 * k, 0, length - segment.com), segment.inertia)
         r = 0.325 * length
         crown = length - r
-        self._capsule(head, "cranium", (-0.018, 0, crown), (0.022, 0, crown), r, SKIN)
-        self._capsule(
-            head, "face", (0.040, 0, crown - 0.02), (0.050, 0, 0.34 * length), 0.052, SKIN
-        )
-        self._capsule(head, "neck", (-0.005, 0, 0.02), (0.0, 0, 0.40 * length), 0.047, SKIN)
+        self._capsule(head, "cranium", (-0.018 * k, 0, crown), (0.022 * k, 0, crown), r, SKIN)
+        mouth = (0.050 * k, 0, 0.34 * length)
+        self._capsule(head, "face", (0.040 * k, 0, crown - 0.02 * k), mouth, 0.052 * f, SKIN)
+        throat = (-0.005 * k, 0, 0.02 * k)
+        self._capsule(head, "neck", throat, (0.0, 0, 0.40 * length), 0.047 * f, SKIN)
         for name, pos, size, color in (
-            ("nose", (0.104, 0, 0.53 * length), 0.013, SKIN),
-            ("right_eye", (EYES[0], -0.026, EYES[2] * length), 0.010, DARK),
-            ("left_eye", (EYES[0], 0.026, EYES[2] * length), 0.010, DARK),
+            ("nose", (0.050 * k + 0.054 * f, 0, 0.53 * length), 0.013, SKIN),
+            ("right_eye", (EYES[0] * length, -0.026 * k, EYES[2] * length), 0.010, DARK),
+            ("left_eye", (EYES[0] * length, 0.026 * k, EYES[2] * length), 0.010, DARK),
         ):
-            self._ornament(head, name, pos, size, color)
-        centre = (-0.005, 0.0, crown)
+            self._ornament(head, name, pos, size * k, color)
+        centre = (-0.005 * k, 0.0, crown)
         for name, direction in (
             ("head.back", (-1, 0, 0.1)),
             ("head.back_right", (-1, -0.48, -0.42)),
@@ -281,13 +285,13 @@ class _Builder:
         self._capsule(
             upper, f"{side}_upper_arm", (0, 0, -middle), (0, 0, -ua.length), 0.95 * r, SKIN
         )
+        # Half a hand's length above the crook: there a hand has room when the elbow is bent, too.
+        self._landmark(f"{side}_elbow.inside", upper, (0, 0, -0.70 * ua.length), (1, 0, 0))
 
         forearm = upper.add_body(name=f"{side}_forearm", pos=[0.0, 0.0, -ua.length])
         self._joints(forearm, (f"{side}_elbow",))
         _hanging(forearm, fa)
         r = fa.radius
-        # Half a hand's length below the crook: a hand lies there when the elbow is bent, too.
-        self._landmark(f"{side}_elbow.inside", forearm, (0, 0, -0.36 * fa.length), (1, -0.5 * s, 0))
         self._capsule(
             forearm, f"{side}_forearm", (0, 0, 0), (0, 0, -0.5 * fa.length), 1.05 * r, SKIN
         )
@@ -333,7 +337,7 @@ class _Builder:
         mujoco.mju_mat2Quat(quat, rotation.ravel())
         hand.add_site(
             name=f"{side}_palm",
-            pos=[0.0, -s * half, -0.45 * ha.length],
+            pos=[0.0, -s * half, -PALM * ha.length],
             quat=quat,
             size=[0.006, 0.006, 0.006],
             group=4,

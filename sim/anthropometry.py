@@ -6,10 +6,15 @@ J. Biomechanics 29(9), 1223-1230. Shoulder breadth follows Drillis & Contini (19
 biacromial breadth = 0.259 stature.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from math import pi, sqrt
+from typing import Self
+
+from sim.laws import Law
 
 TISSUE_DENSITY = 1080.0  # [kg/m^3] limbs, mean of Drillis & Contini
+PALM = 0.45  # where the middle of the palm is, as a share of the hand
+SEGMENTS = ("head", "whole_trunk", "upper_arm", "forearm", "hand")
 
 
 @dataclass(frozen=True)
@@ -30,6 +35,28 @@ class Segment:
         """Radius of the cylinder of this mass, length and tissue density [m]."""
         return sqrt(self.mass / (TISSUE_DENSITY * pi * self.length))
 
+    def scaled(self, law: Law) -> Self:
+        """A segment that is so much longer, heavier and harder to turn."""
+        sagittal, transverse, longitudinal = self.inertia
+        inertia = sagittal * law.inertia, transverse * law.inertia, longitudinal * law.inertia
+        return type(self)(
+            self.mass * law.mass, self.length * law.length, self.com * law.length, inertia
+        )
+
+    def towards(self, other: Self, share: float) -> Self:
+        """A segment between this one (share 0) and another (1), in a straight line."""
+
+        def between(one: float, two: float) -> float:
+            return (1.0 - share) * one + share * two
+
+        (a, b, c), (d, e, f) = self.inertia, other.inertia
+        return type(self)(
+            between(self.mass, other.mass),
+            between(self.length, other.length),
+            between(self.com, other.com),
+            (between(a, d), between(b, e), between(c, f)),
+        )
+
 
 @dataclass(frozen=True)
 class Anthropometry:
@@ -44,6 +71,31 @@ class Anthropometry:
     hand: Segment  # wrist to tip of the third finger
     waist_length: float  # [m] C7 to omphalion
     waist_mass: float  # [kg] what lies above the omphalion: upper and middle trunk
+
+    @property
+    def arm(self) -> float:
+        """From the shoulder to the middle of the palm of an arm held straight [m]."""
+        return self.upper_arm.length + self.forearm.length + PALM * self.hand.length
+
+    def scaled(self, law: Law) -> Self:
+        """A person who is so much taller and heavier, with the same proportions."""
+        lengths = {name: getattr(self, name) * law.length for name in ("stature", "waist_length")}
+        masses = {name: getattr(self, name) * law.mass for name in ("mass", "waist_mass")}
+        segments = {name: getattr(self, name).scaled(law) for name in SEGMENTS}
+        return replace(self, **lengths, **masses, **segments)
+
+    def towards(self, other: Self, share: float) -> Self:
+        """A person between this one (share 0) and another (1), in a straight line."""
+        numbers = {
+            field.name: (1.0 - share) * getattr(self, field.name)
+            + share * getattr(other, field.name)
+            for field in fields(self)
+            if field.name not in SEGMENTS
+        }
+        segments = {
+            name: getattr(self, name).towards(getattr(other, name), share) for name in SEGMENTS
+        }
+        return replace(self, **numbers, **segments)
 
     @property
     def trunk_half_axes(self) -> tuple[float, float]:

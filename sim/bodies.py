@@ -1,7 +1,8 @@
 """The bodies that come with the package, and their body maps."""
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -13,11 +14,20 @@ from sim.body import Body
 from sim.body_map import BodyMap, Head, Limb, Servo, Spring
 from sim.briskness import DAMPING_RATIO, FREQUENCY, SPEED
 from sim.errors import BodyError, unknown
+from sim.extending import renamed
+from sim.gains import Gains, scaled_gains
+from sim.laws import Law
+from sim.people import person
+from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
+from sim.scaling import scale_model, scale_motors
+from sim.weight import add_weight
 
 WAIST = ("waist_z", "waist_x", "waist_y")
 NECK = ("neck_z", "neck_x", "neck_y")
 ARM = ("shoulder_y", "shoulder_x", "shoulder_z", "elbow", "wrist_z", "wrist_x", "wrist_y")
+
+WEIGHT = 2.0  # of adonis-weight [kg]
 
 SPRING = Spring(
     stiffness=1500.0,
@@ -45,8 +55,53 @@ def adonis(
     limits: bool = True,
     contacts: bool = True,
 ) -> Body:
-    """The Adonis torso with the proportions of `person` (Mataric et al. 1999, section 3)."""
-    spec = build_adonis(person, limits=limits, contacts=contacts)
+    """The Adonis torso with the proportions of `person` (Mataric et al. 1999, section 3).
+
+    The man's gains are chosen; those of anybody else follow from them by the laws of `sim.laws`,
+    as do the torques of the motors, armature and damping. A person is built as large as the man
+    and then scaled, since what the builder draws by the centimetre is drawn for him.
+    """
+    if person == MALE:
+        return _man(name, limits=limits, contacts=contacts)
+    man = _standard(limits, contacts)
+    size = Law.geometric(person.arm / MALE.arm)
+    spec = build_adonis(
+        person.scaled(Law.geometric(1.0 / size.length)), limits=limits, contacts=contacts
+    )
+    scale_model(spec, size)
+    scale_motors(spec, man, size)
+    return _with_gains_of(man, spec, name, person)
+
+
+def adonis_with_weight(*, limits: bool = True, contacts: bool = True) -> Body:
+    """The man with a weight of 2 kg on the back of his right hand.
+
+    He is no stronger for it: motors, armature and damping are his own.
+    """
+    man = _standard(limits, contacts)
+    spec = man.spec.copy()
+    add_weight(spec, "right", WEIGHT)
+    return _with_gains_of(man, spec, "adonis-weight", MALE)
+
+
+def _with_gains_of(man: Body, spec: Any, name: str, person: Anthropometry) -> Body:
+    """The man's body map on another model, its gains scaled to it."""
+    size = Law.geometric(person.arm / MALE.arm)
+    head = None if man.map.head is None else man.map.head.model_copy(update={"eyes": _eyes(person)})
+    more = {"name": name, "head": head, "time_scale": size.time}
+    other = Body(spec, man.map.model_copy(update=more))
+    gains, _ = scaled_gains(man, Gains.of(man.map), other)
+    return renamed(other, gains.on(other.map))
+
+
+@lru_cache(maxsize=4)
+def _standard(limits: bool, contacts: bool) -> Body:
+    """The man that the others are scaled from; nobody may change him."""
+    return _man("adonis", limits=limits, contacts=contacts)
+
+
+def _man(name: str, *, limits: bool, contacts: bool) -> Body:
+    spec = build_adonis(MALE, limits=limits, contacts=contacts)
     arms = {
         f"{side}_arm": Limb(
             side=side,
@@ -74,7 +129,7 @@ def adonis(
             head=Head(
                 link="head",
                 forward=(1.0, 0.0, 0.0),
-                eyes=(EYES[0], EYES[1], EYES[2] * person.head.length),
+                eyes=_eyes(MALE),
                 joints=("neck",),
             ),
             landmarks=LANDMARKS,
@@ -87,9 +142,22 @@ def adonis(
     )
 
 
+def _eyes(person: Anthropometry) -> tuple[float, float, float]:
+    """Between them, in the frame of the head [m]."""
+    forward, left, up = (share * person.head.length for share in EYES)
+    return forward, left, up
+
+
+PEOPLE: dict[str, Anthropometry] = {
+    "adonis": MALE,
+    "adonis-female": FEMALE,
+    "adonis-child": person(age=6),
+    "adonis-giant": MALE.scaled(Law.geometric(2.0)),
+}
+
 BODIES: dict[str, Callable[..., Body]] = {
-    "adonis": partial(adonis, MALE),
-    "adonis-female": partial(adonis, FEMALE, name="adonis-female"),
+    **{name: partial(adonis, person, name=name) for name, person in PEOPLE.items()},
+    "adonis-weight": adonis_with_weight,
     "arm7": arm7,
     "planar-arm": planar_arm,
 }
@@ -99,13 +167,16 @@ def load_body(name: str, *, limits: bool = True, contacts: bool = True) -> Body:
     """A body of the package by name.
 
     Args:
-        name: one of `BODIES`.
+        name: one of `BODIES`, or a description of a person: see `person_of`.
         limits: joint limits on.
         contacts: collisions on.
 
     Raises:
         BodyError: there is no such body; the message lists those there are.
     """
+    described = person_of(name)
+    if described is not None:
+        return adonis(described, name=name, limits=limits, contacts=contacts)
     if name not in BODIES:
         raise BodyError(unknown("body", name, BODIES))
     return BODIES[name](limits=limits, contacts=contacts)

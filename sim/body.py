@@ -308,18 +308,23 @@ class Body:
         turned = (hand @ arm.palm.normal, hand @ arm.fingers, along / np.linalg.norm(along))
         return root.T @ (palm - data.xpos[arm.root]), *(root.T @ v for v in turned)
 
-    def geoms_to_keep_apart(self, arm: Arm, touched: int = -1) -> list[tuple[list[int], list[int]]]:
+    def geoms_to_keep_apart(
+        self, arm: Arm, touched: int = -1, *, limbs: bool = False
+    ) -> list[tuple[list[int], list[int]]]:
         """Pairs of groups of geoms: the arm's links and those that they must not touch.
 
         Args:
-            arm: the arm; pairs with other limbs are left out.
+            arm: the arm.
             touched: a link that the hand may touch.
+            limbs: whether pairs with other limbs are among them.
         """
-        own, found = arm.links, []
-        limbs = {link for name in self.map.limbs for link in self.arm(name).links}
+        own = set(arm.links)
+        others = {link for name in self.map.limbs for link in self.arm(name).links}
+        left_out = own if limbs else others
+        found = []
         for names in self.map.keep_apart:
             one, other = sorted((self.link(n) for n in names), key=lambda b: b not in own)
-            if one not in own or other in limbs or (one == arm.hand and other == touched):
+            if one not in own or other in left_out or (one == arm.hand and other == touched):
                 continue
             mine, theirs = (self.colliding(link) for link in (one, other))
             if mine and theirs:

@@ -40,6 +40,14 @@ class Spring(_Frozen):
     joint_damping: NonNegative = 4.0  # of all joints, where a force holds only the hand [N m s/rad]
 
 
+class Guard(_Frozen):
+    """How links that must not touch are kept apart, when a task does not say otherwise."""
+
+    range: Positive = 0.015  # distance of the surfaces at which it begins to push [m]
+    stiffness: Positive = 800.0  # force at contact, per metre of range [N/m]
+    damping: NonNegative = 20.0  # of drawing nearer [N s/m]
+
+
 class Limb(_Frozen):
     """An arm: its joints from the trunk outwards, its links, and the frame of its palm."""
 
@@ -76,4 +84,6 @@ class BodyMap(_Frozen):
     servos: dict[str, Servo]
     speed_limits: dict[str, Positive] = {}  # joint -> its largest speed [deg/s]; else no limit
     keep_apart: tuple[tuple[str, str], ...] = ()  # pairs of links that must not touch
+    guard: Guard = Guard()
     upright: tuple[str, ...] = ()  # joint groups that stay at home unless a task moves them
+    time_scale: Positive = 1.0  # how long its movements last, against those of Adonis

@@ -1,11 +1,13 @@
 """More names for a body: landmarks and postures that a task defines for itself."""
 
+import copy
 from collections.abc import Mapping
 
 import mujoco
 import numpy as np
 
 from sim.body import Body, FloatArray, Spot
+from sim.body_map import BodyMap
 from sim.errors import BodyError
 from sim.landmarks import Ray, leave, x_along
 
@@ -39,6 +41,15 @@ def extended(body: Body, landmarks: Mapping[str, Spot], postures: Mapping[str, F
         "postures": {**names.postures, **angles},
     }
     return Body(spec, names.model_copy(update=more))
+
+
+def renamed(body: Body, names: BodyMap) -> Body:
+    """The same model with another body map, which names the same parts."""
+    other = copy.copy(body)
+    other.map = names
+    for known in ("home", "speed_limit", "_at_home"):  # that follow from the map
+        vars(other).pop(known, None)
+    return other
 
 
 def halfway(body: Body, one: Spot, other: Spot) -> Spot:

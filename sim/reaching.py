@@ -8,6 +8,7 @@ must not touch stay apart.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,8 +33,10 @@ class PalmGoal:
     touched: int = -1  # the link that the palm may touch
 
 
-def reach(body: Body, arm: Arm, goals: Sequence[PalmGoal]) -> tuple[FloatArray, FloatArray]:
-    """Postures that take a palm through places to a goal, all other joints being at home.
+def reach(
+    body: Body, arm: Arm, goals: Sequence[PalmGoal], *, posture: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Postures that take a palm through places to a goal, all other joints staying as they are.
 
     The last goal is solved first, since it says most; each place on the way is then reached
     in the posture that is nearest to the one after it.
@@ -42,19 +45,23 @@ def reach(body: Body, arm: Arm, goals: Sequence[PalmGoal]) -> tuple[FloatArray, 
         body: whose arm it is.
         arm: the arm.
         goals: where the palm is to be, in their order.
+        posture: of the whole body (nq,), whose other limbs are kept apart from, too; default:
+            at home, other limbs being out of the way.
 
     Returns:
         Joint angles (goals, nv) [rad], NaN for all other joints, and by how much the palm
-        misses each goal (goals,) [m].
+        misses each goal (goals,) [m]; how deep links are in each other that must not touch counts
+        as well.
     """
     places = body.qpos_of_dof[arm.dofs]
     postures = np.full((len(goals), body.nv), np.nan)
     misses = np.zeros(len(goals))
     low, high = (np.clip(limit[arm.dofs], -np.pi, np.pi) for limit in body.range)
-    home = body.home[places]
+    still = body.home if posture is None else posture
+    home = still[places]
     starts = [home, 0.5 * (low + high), 0.3 * low + 0.7 * high, 0.7 * low + 0.3 * high]
     for k in range(len(goals) - 1, -1, -1):
-        solve, best, least = _Solver(body, arm, goals[k]), home, np.inf
+        solve, best, least = _Solver(body, arm, goals[k], still, posture is not None), home, np.inf
         for start in starts:
             angles, miss = solve(start)
             if miss < least - NEAR:
@@ -69,29 +76,35 @@ def reach(body: Body, arm: Arm, goals: Sequence[PalmGoal]) -> tuple[FloatArray, 
 class _Solver:
     """mink's tasks for one goal."""
 
-    def __init__(self, body: Body, arm: Arm, goal: PalmGoal) -> None:
+    def __init__(
+        self, body: Body, arm: Arm, goal: PalmGoal, posture: FloatArray, limbs: bool
+    ) -> None:
         import mink  # noqa: PLC0415  (half a second that most tasks never need)
 
         self._mink, self._places = mink, body.qpos_of_dof[arm.dofs]
-        self._configuration = mink.Configuration(body.model, body.home)
+        self._configuration, self._posture = mink.Configuration(body.model, posture), posture
         others = [j for j in range(body.nv) if j not in set(arm.dofs)]
         self._frozen = [mink.DofFreezingTask(body.model, others)] if others else []
-        self._palm, self._place = arm.limb.palm, body.at_home(goal.place.link, goal.place.point)
+        data, spot = self._configuration.data, goal.place
+        self._palm = arm.limb.palm
+        self._place = data.xpos[spot.link] + data.xmat[spot.link].reshape(3, 3) @ spot.point
         place = mink.FrameTask(self._palm, "site", position_cost=PLACE, orientation_cost=0.0)
         place.set_target(mink.SE3.from_translation(self._place))
         self._near = mink.PostureTask(body.model, cost=POSTURE)
         self._tasks = [place, self._near]
         along = body.to_link(arm.upper_arm, body.upper_arm_at_home(arm))
-        for link, axis, wanted in (
-            (arm.limb.hand, arm.palm.normal, goal.normal),
-            (arm.limb.hand, arm.fingers, goal.fingers),
-            (arm.limb.upper_arm, along, goal.upper_arm),
+        facing = spot.link if goal.touched >= 0 else arm.root  # turns with what is touched
+        for link, axis, wanted, carrier in (
+            (arm.limb.hand, arm.palm.normal, goal.normal, facing),
+            (arm.limb.hand, arm.fingers, goal.fingers, arm.root),
+            (arm.limb.upper_arm, along, goal.upper_arm, arm.root),
         ):
             if wanted is not None:
                 turn = mink.AxisAlignTask(link, "body", axis=axis, cost=DIRECTION)
-                turn.set_target(wanted)
+                axes = data.xmat[carrier].reshape(3, 3)
+                turn.set_target(axes @ body.to_link(carrier, wanted))
                 self._tasks.append(turn)
-        pairs = body.geoms_to_keep_apart(arm, goal.touched)
+        self._pairs = pairs = body.geoms_to_keep_apart(arm, goal.touched, limbs=limbs)
         self._limits: list[mink.Limit] = [mink.ConfigurationLimit(body.model)]
         if pairs:
             self._limits.append(
@@ -102,11 +115,10 @@ class _Solver:
                     collision_detection_distance=0.1,
                 )
             )
-        self._home = body.home
 
     def __call__(self, start: FloatArray) -> tuple[FloatArray, float]:
-        """Angles of the arm's joints found from a start, and the palm's miss [m]."""
-        q = self._home.copy()
+        """Angles of the arm's joints found from a start, and the palm's miss [m], see `reach`."""
+        q = self._posture.copy()
         q[self._places] = start
         self._configuration.update(q)
         self._near.set_target(q)
@@ -124,4 +136,15 @@ class _Solver:
                 break
         palm = self._configuration.get_transform_frame_to_world(self._palm, "site").translation()
         miss = float(np.linalg.norm(palm - self._place))
-        return self._configuration.q[self._places].copy(), miss
+        return self._configuration.q[self._places].copy(), miss + self._depth()
+
+    def _depth(self) -> float:
+        """How deep links are in each other; mink keeps them from going in, and leads none out."""
+        model, data = self._configuration.model, self._configuration.data
+        closest = [
+            mujoco.mj_geomDistance(model, data, a, b, 0.0, None)
+            for one, other in self._pairs
+            for a in one
+            for b in other
+        ]
+        return max(0.0, -min(closest, default=0.0))

@@ -67,17 +67,30 @@ class Recording:
     model_xml: str  # the model that was run
     about: Mapping[str, Any] = field(default_factory=dict)  # task, body map, versions, seed …
     rounds: tuple[Span, ...] = ()  # of sub-tasks that were done over, before the last of each
+    later_models: tuple[tuple[float, str], ...] = ()  # that the body became, and from when [s]
     complete: bool = True  # False when it was read from the part that a killed run left
 
     @cached_property
     def model(self) -> mujoco.MjModel:
-        """The model that was run, compiled anew."""
+        """The model that was run, compiled anew; of several the first."""
         return mujoco.MjModel.from_xml_string(self.model_xml)
+
+    @cached_property
+    def models(self) -> tuple[tuple[int, str], ...]:
+        """The models that were run, each with its first row."""
+        rows = np.searchsorted(self.time, [time - 1e-9 for time, _ in self.later_models])
+        later = ((int(row), xml) for row, (_, xml) in zip(rows, self.later_models, strict=True))
+        return ((0, self.model_xml), *later)
 
     @property
     def timestep(self) -> float:
         """Seconds between rows."""
         return float(self.time[1] - self.time[0]) if len(self.time) > 1 else 0.0
+
+    def until(self, time: float) -> "Recording":
+        """The rows up to a time [s]."""
+        rows = slice(self.row(time) + 1)
+        return replace(self, **{name: getattr(self, name)[rows] for name in UNITS})
 
     def row(self, time: float) -> int:
         """The last row that is not after `time` [s]."""
@@ -98,6 +111,8 @@ class Recording:
                 kind = str if part in {"name", "outcome"} else float
                 arrays[f"{what}_{part}"] = np.array([getattr(s, part) for s in spans], dtype=kind)
         arrays["model_xml"] = np.array(self.model_xml)
+        arrays["later_time"] = np.array([time for time, _ in self.later_models], dtype=float)
+        arrays["later_xml"] = np.array([xml for _, xml in self.later_models], dtype=str)
         about = {**self.about, "units": UNITS, "complete": self.complete}
         arrays["about"] = np.array(json.dumps(about, sort_keys=True))
         draft = path.with_name(path.name + ".tmp")
@@ -149,6 +164,10 @@ class Recording:
                 spans=spans,
                 rounds=rounds,
                 model_xml=str(f["model_xml"]),
+                later_models=tuple(
+                    (float(time), str(xml))
+                    for time, xml in zip(f["later_time"], f["later_xml"], strict=True)
+                ),
                 about=about,
                 complete=bool(about.get("complete", True)),
             )
@@ -162,7 +181,9 @@ class Recording:
             raise ValueError("it ended before its first row")
         names = tuple(header["names"])
         rows = [np.concatenate(arrays) for arrays in zip(*chunks, strict=True)]
-        return _recording(rows, 0, names, (), header["model_xml"], header["about"], False)
+        found = _recording(rows, 0, names, (), header["model_xml"], header["about"], False)
+        later = tuple((float(time), str(xml)) for time, xml in header["later_models"])
+        return replace(found, later_models=later)
 
 
 class Recorder:
@@ -175,6 +196,7 @@ class Recorder:
         channels: how many primitives can be on at once.
         about: task, body map, versions, seed.
         part: file to append to meanwhile; None keeps the recording in memory only.
+        later_models: models that the body becomes, and from when [s].
 
     Raises:
         RecordingError: the part cannot be written.
@@ -189,6 +211,7 @@ class Recorder:
         channels: int = 0,
         about: Mapping[str, Any] | None = None,
         part: Path | None = None,
+        later_models: tuple[tuple[float, str], ...] = (),
     ) -> None:
         nq, nv = body.model.nq, body.nv
         channels = channels if names else 0
@@ -203,12 +226,17 @@ class Recorder:
         self._full: list[tuple[NDArray[Any], ...]] = []
         self._row = 0
         self._names, self._model_xml, self._about = names, body.xml, dict(about or {})
-        self._part = part
+        self._part, self._later = part, later_models
         self._file: BinaryIO | None = None
         if part is not None:
             try:
                 self._file = part.open("wb")
-                header = {"names": names, "model_xml": body.xml, "about": self._about}
+                header = {
+                    "names": names,
+                    "model_xml": body.xml,
+                    "later_models": later_models,
+                    "about": self._about,
+                }
                 np.save(self._file, np.array(json.dumps(header)))
                 self._file.flush()
             except OSError as problem:
@@ -253,6 +281,7 @@ class Recorder:
             replace(
                 _recording(rows, i, self._names, spans[i], self._model_xml, self._about, complete),
                 rounds=rounds[i] if rounds else (),
+                later_models=self._later,
             )
             for i in range(rows[0].shape[1])
         )

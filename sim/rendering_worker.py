@@ -3,6 +3,7 @@
 import json
 import sys
 import textwrap
+from bisect import bisect_right
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,13 @@ Pixels = tuple[float, float]
 TRAIL_COLORS = ((0.86, 0.33, 0.16, 0.9), (0.10, 0.55, 0.42, 0.9))
 CAPTION = 44  # height [pixels]
 LINE = 18.0  # height of a name [pixels]
-LOOKS, SHAPES = 1, 3  # groups of geoms: meshes to be looked at, and capsules that collide
+LOOKS, MATTER = 1, 3  # groups of geoms: meshes to be looked at, and capsules that collide
 SEEN, HIDDEN = "#b3202a", "#5f6570"  # of landmarks that face us, and of those on the far side
+THICK = 0.004  # radius of the way of a palm, as a share of what is shown
+SHAPES = (  # of a model, what a body changes that becomes another one
+    *("body_pos", "body_quat", "geom_pos", "geom_quat", "geom_size", "geom_rbound"),
+    *("site_pos", "site_quat", "jnt_pos"),
+)
 DIFFERENT = 24.0  # of 255: pixels that differ by more show something that moved
 
 
@@ -30,6 +36,8 @@ class Camera:
 
     def __init__(self, recording: Recording, view: tuple[float, float], size: list[int]) -> None:
         self.recording, self.model = recording, recording.model
+        self._models = [mujoco.MjModel.from_xml_string(xml) for _, xml in recording.models]
+        self._shown = 0
         self._data = mujoco.MjData(self.model)
         self.model.vis.global_.offwidth = max(self.model.vis.global_.offwidth, size[0])
         self.model.vis.global_.offheight = max(self.model.vis.global_.offheight, size[1])
@@ -38,12 +46,12 @@ class Camera:
         self._camera.lookat[:] = self.model.stat.center
         self._camera.distance = 1.65 * self.model.stat.extent
         self._camera.azimuth, self._camera.elevation = view
-        self._shown = mujoco.MjvOption()
+        self._option = mujoco.MjvOption()
 
     def shoot(self, row: int, palms: list[str] | None = None, since: int = 0) -> Picture:
         """The picture of a row, with the way that the palms came from the row `since`."""
         self._set(row)
-        self._renderer.update_scene(self._data, self._camera, self._shown)
+        self._renderer.update_scene(self._data, self._camera, self._option)
         for palm, color in zip(palms or (), TRAIL_COLORS * 4, strict=False):
             self._draw_trail(palm, since, row, color)
         return np.array(self._renderer.render())
@@ -71,7 +79,7 @@ class Camera:
         """
         self._camera.azimuth, self._camera.elevation = view
         self._camera.distance = 1.65 * self.model.stat.extent / closeness
-        self._shown.geomgroup[LOOKS], self._shown.geomgroup[SHAPES] = not shapes, shapes
+        self._option.geomgroup[LOOKS], self._option.geomgroup[MATTER] = not shapes, shapes
 
     def spot(self, site: str) -> tuple[Pixels, Pixels, bool]:
         """Where a site is in the last picture, where its +x axis points, and if it faces us."""
@@ -99,7 +107,16 @@ class Camera:
         x = 0.5 * self._renderer.width + scale * float(away @ right)
         return x, half - scale * float(away @ up)
 
+    def _become(self, row: int) -> None:
+        """Give what is drawn the shapes of the model that was run in a row."""
+        which = bisect_right([first for first, _ in self.recording.models], row) - 1
+        if which != self._shown:
+            for part in SHAPES:
+                getattr(self.model, part)[:] = getattr(self._models[which], part)
+            self._shown = which
+
     def _set(self, row: int) -> None:
+        self._become(row)
         self._data.qpos[:] = self.recording.qpos[row]
         mujoco.mj_kinematics(self.model, self._data)
         mujoco.mj_camlight(self.model, self._data)
@@ -108,6 +125,7 @@ class Camera:
     def _draw_trail(self, site: str, first: int, last: int, rgba: tuple[float, ...]) -> None:
         points = []
         for row in range(first, last + 1, 8):
+            self._become(row)
             self._data.qpos[:] = self.recording.qpos[row]
             mujoco.mj_kinematics(self.model, self._data)
             points.append(self._data.site(site).xpos.copy())
@@ -120,7 +138,7 @@ class Camera:
             mujoco.mjv_initGeom(
                 geom, kind, np.zeros(3), np.zeros(3), np.zeros(9), np.array(rgba, np.float32)
             )
-            mujoco.mjv_connector(geom, kind, 0.005, start, end)
+            mujoco.mjv_connector(geom, kind, THICK * self.model.stat.extent, start, end)
             scene.ngeom += 1
 
 

@@ -4,6 +4,7 @@ Every figure here comes from the recorded joint angles and the recorded model by
 own kinematics and collision detection. Nothing is shared with the controllers.
 """
 
+from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -45,6 +46,15 @@ def _compiled(xml: str) -> mujoco.MjModel:
     return model
 
 
+def _limits(model: mujoco.MjModel) -> FloatArray:
+    """Largest torque of each joint's motor (nv,) [N m]; NaN where there is no motor."""
+    limits = np.full(model.nv, np.nan)
+    for motor in range(model.nu):
+        dof = model.jnt_dofadr[model.actuator_trnid[motor, 0]]
+        limits[dof] = np.abs(model.actuator_ctrlrange[motor]).min()
+    return limits
+
+
 class Replay:
     """Geometry of a recording.
 
@@ -54,7 +64,9 @@ class Replay:
 
     def __init__(self, recording: Recording) -> None:
         self.recording = recording
-        self.model = _compiled(recording.model_xml)
+        self._first_rows = [row for row, _ in recording.models]
+        self._models = [_compiled(xml) for _, xml in recording.models]
+        self.model = self._now = self._models[0]
         self._data = mujoco.MjData(self.model)
         count = len(recording.time)
         sites, links = self.model.nsite, self.model.nbody
@@ -100,13 +112,13 @@ class Replay:
         F = (J M^-1 J^T)^-1 J M^-1 (tau - g), the dynamically consistent one (Khatib 1987).
         """
         index = self._id(mujoco.mjtObj.mjOBJ_SITE, "site", site)
-        model, data = self.model, self._data
-        jacobian, mass = np.zeros((3, model.nv)), np.zeros((model.nv, model.nv))
+        data, nv = self._data, self.model.nv
+        jacobian, mass = np.zeros((3, nv)), np.zeros((nv, nv))
         forces = np.zeros((len(range(*rows.indices(len(self.recording.time)))), 3))
         for k, row in enumerate(range(*rows.indices(len(self.recording.time)))):
             self._rest(row)  # at rest the bias is gravity alone
-            mujoco.mj_jacSite(model, data, jacobian, None, index)
-            mujoco.mj_fullM(model, data, mass)
+            mujoco.mj_jacSite(self._now, data, jacobian, None, index)
+            mujoco.mj_fullM(self._now, data, mass)
             driven = self.recording.torque[row] - data.qfrc_bias
             solved = np.linalg.solve(mass, np.column_stack([jacobian.T, driven]))
             forces[k] = np.linalg.solve(jacobian @ solved[:, :3], jacobian @ solved[:, 3])
@@ -124,7 +136,7 @@ class Replay:
         """Inverse of the inertia matrix in one row (nv, nv): acceleration for each torque."""
         mass = np.zeros((self.model.nv, self.model.nv))
         self._rest(row)
-        mujoco.mj_fullM(self.model, self._data, mass)
+        mujoco.mj_fullM(self._now, self._data, mass)
         inverse: FloatArray = np.linalg.inv(mass)
         return inverse
 
@@ -161,12 +173,39 @@ class Replay:
         return str(self.model.joint(self.model.dof_jntid[dof]).name)
 
     def torque_limits(self) -> FloatArray:
-        """Largest torque of each joint's motor (nv,) [N m]; NaN where there is no motor."""
-        limits = np.full(self.model.nv, np.nan)
-        for motor in range(self.model.nu):
-            dof = self.model.jnt_dofadr[self.model.actuator_trnid[motor, 0]]
-            limits[dof] = np.abs(self.model.actuator_ctrlrange[motor]).min()
+        """Largest torque of each joint's motor (nv,) [N m]; NaN where there is no motor.
+
+        Of a body that became others the smallest that it had.
+        """
+        limits: FloatArray = np.min([_limits(model) for model in self._models], axis=0)
         return limits
+
+    def torque_share(self) -> FloatArray:
+        """Torques as shares of the limits of the motors in that row (T, nv); NaN as above."""
+        limits = np.array([_limits(model) for model in self._models])
+        which = np.searchsorted(self._first_rows, np.arange(len(self.recording.time)), "right") - 1
+        share: FloatArray = self.recording.torque / limits[which]
+        return share
+
+    def changes(self, sites: Iterable[str]) -> tuple[FloatArray, FloatArray]:
+        """What each step did by which the body became another, angles and velocities being kept.
+
+        Args:
+            sites: whose places are compared.
+
+        Returns:
+            (changes,) each: kinetic energy that came or went [J], and by how far the site that
+            moved most was moved [m].
+        """
+        ids = [self._id(mujoco.mjtObj.mjOBJ_SITE, "site", name) for name in sites]
+        kinetic, moved = [], []
+        for k, row in enumerate(self._first_rows[1:]):
+            if row < len(self.recording.time):
+                before, after = (self._stood(self._models[i], row, ids) for i in (k, k + 1))
+                kinetic.append(after[0] - before[0])
+                apart = np.linalg.norm(after[1] - before[1], axis=1)
+                moved.append(float(apart.max(initial=0.0)))
+        return np.array(kinetic), np.array(moved)
 
     def clearance(
         self, pairs: Iterable[tuple[str, str]], *, every: int = 5, within: float = 0.1
@@ -185,7 +224,7 @@ class Replay:
         for k in range(0, len(self.recording.time), every):
             self._set(k)
             for a, b in couples:
-                distance = mujoco.mj_geomDistance(self.model, self._data, a, b, best.distance, None)
+                distance = mujoco.mj_geomDistance(self._now, self._data, a, b, best.distance, None)
                 if distance < best.distance:
                     names = self.model.geom(a).name, self.model.geom(b).name
                     best = Closest(float(distance), float(self.recording.time[k]), names)
@@ -199,7 +238,7 @@ class Replay:
             data = self._data
             self._site[0][k], self._site[1][k] = data.site_xpos, data.site_xmat
             self._link[0][k], self._link[1][k] = data.xpos, data.xmat
-            mujoco.mj_collision(self.model, data)
+            mujoco.mj_collision(self._now, data)
             if data.ncon:
                 depths = data.contact.dist
                 deepest = int(np.argmin(depths))
@@ -209,15 +248,32 @@ class Replay:
                     time = float(self.recording.time[k])
                     self.penetration = Closest(float(depths[deepest]), time, names)
 
+    def _choose(self, k: int) -> None:
+        """The model that was run in row k; room for the state of one is room for all."""
+        self._now = self._models[bisect_right(self._first_rows, k) - 1]
+
     def _set(self, k: int) -> None:
+        self._choose(k)
         self._data.qpos[:] = self.recording.qpos[k]
-        mujoco.mj_kinematics(self.model, self._data)
+        mujoco.mj_kinematics(self._now, self._data)
 
     def _rest(self, k: int) -> None:
         """Row k, as if nothing moved."""
+        self._choose(k)
         self._data.qpos[:], self._data.qvel[:] = self.recording.qpos[k], 0.0
-        mujoco.mj_fwdPosition(self.model, self._data)
-        mujoco.mj_fwdVelocity(self.model, self._data)
+        mujoco.mj_fwdPosition(self._now, self._data)
+        mujoco.mj_fwdVelocity(self._now, self._data)
+
+    def _stood(
+        self, model: mujoco.MjModel, k: int, sites: Sequence[int]
+    ) -> tuple[float, FloatArray]:
+        """Kinetic energy [J] and places of sites (k, 3) [m] of a model in the state of row k."""
+        data = self._data
+        data.qpos[:], data.qvel[:] = self.recording.qpos[k], self.recording.qvel[k]
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_energyVel(model, data)
+        return float(data.energy[1]), data.site_xpos[list(sites)].copy()
 
     def _geoms(self, link: str) -> Sequence[int]:
         body = self._id(mujoco.mjtObj.mjOBJ_BODY, "link", link)

@@ -21,6 +21,8 @@ from specs.blame import told
 from specs.conditions import BoundCondition, Condition, bind_condition
 from specs.definitions import define
 from specs.errors import SpecError
+from specs.firmness import firm
+from specs.fitting import fitted
 from specs.graph import TaskGraph, build_graph
 from specs.groups import check_groups, together
 from specs.ordering import Known, members, order_of
@@ -39,7 +41,7 @@ class BoundTask:
     `fields[k]` does the k-th sub-task of `graph.order`.
     """
 
-    body: Body  # with the landmarks and postures that the task defines
+    body: Body  # with the landmarks and postures that the task defines, as firm as it says
     graph: TaskGraph
     background: tuple[Field, ...]
     fields: tuple[Field, ...]
@@ -67,7 +69,7 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     """Compile a task to its graph and bind every primitive of it to a body.
 
     Args:
-        spec: the task.
+        spec: the task; written for another body, it is made to fit: see `fitted`.
         body: the body that is to do it.
         document: what the task was read from, so that errors can say where.
 
@@ -75,8 +77,9 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
         SpecError: anything in the task that does not fit: names, order, claims.
     """
     document = document or Document(None, "")
+    spec = fitted(spec, body, document)
     graph = build_graph(spec, document)
-    body = define(spec.landmarks, spec.postures, body, document)
+    body = firm(define(spec.landmarks, spec.postures, body, document), spec.gains)
     background = tuple(
         _bind(graph, b.does, 0.0, body, np.inf, document, ("background", i), b.name)
         for i, b in enumerate(spec.background)

@@ -9,6 +9,7 @@ from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from primitives import Quantity
 from sim import Body, Spot
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
@@ -26,7 +27,7 @@ class Condition(_Part):
     event: Name | None = None  # it has been sent from outside
     near: str | None = None  # a landmark
     limb: str | None = None  # the arm whose palm is to be near
-    distance: Positive | None = None  # [m]
+    distance: Annotated[Positive, Quantity.LENGTH] | None = None  # [m]
 
     @model_validator(mode="after")
     def _one(self) -> Self:

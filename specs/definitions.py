@@ -16,15 +16,15 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from primitives import PrimitiveError
+from primitives import PrimitiveError, Quantity
 from primitives.get_posture import said_angles
-from primitives.parameters import Direction, Vector
+from primitives.parameters import Direction, Offset
 from primitives.primitive import FloatArray
 from sim import Body, BodyError, Spot, extended, halfway, unknown
 from specs.conditions import Name
 from specs.reading import Document, Path_
 
-Metres = Annotated[float, Field(ge=-100, le=100)]
+Metres = Annotated[float, Field(ge=-100, le=100), Quantity.LENGTH]
 Degrees = Annotated[float, Field(ge=-3600, le=3600)]
 
 
@@ -36,7 +36,7 @@ class Landmark(BaseModel):
     near: str | None = None  # a landmark of the body, or one that is written above; or
     between: tuple[str, str] | None = None  # two of them: halfway, out to the surface
     away: Metres = 0.0  # this far out along the normal [m]
-    offset: Vector = (0.0, 0.0, 0.0)  # added: forward, left, up, as the link is at home [m]
+    offset: Offset = (0.0, 0.0, 0.0)  # added: forward, left, up, as the link is at home [m]
 
     @model_validator(mode="after")
     def _one(self) -> Self:

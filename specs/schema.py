@@ -136,6 +136,7 @@ def known_names() -> dict[str, list[str]]:
     landmarks = sorted({landmark for m in maps for landmark in m.landmarks})
     postures = sorted({posture for m in maps for posture in m.postures})
     return {
+        "body": list(BODIES),
         "limb": limbs, "hand": limbs, "near": landmarks, "to": landmarks, "at": landmarks,
         "posture": postures, "start": postures, "from_": postures,
     }  # fmt: skip

@@ -4,14 +4,17 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny, model_validator
 
-from primitives import GoToPoint, Primitive
+from primitives import GoToPoint, Primitive, Quantity
 from specs.conditions import Condition, Join, Name, Positive, Repeat, Times
 from specs.definitions import Landmark, NamedPosture
 from specs.errors import SpecError
+from specs.firmness import Firmness
 from specs.groups import Group
 from specs.tempo import MOST_STEPS, Tempo, TempoStep
 
 NonNegative = Annotated[float, Field(ge=0, le=1e6)]
+Fade = Annotated[NonNegative, Quantity.TIME]
+Time = Annotated[Positive, Quantity.TIME]
 
 
 class _Doing(BaseModel):
@@ -39,16 +42,16 @@ class SubTask(_Doing):
 
     words: str = ""  # what one would say to a person
     beats: Positive | None = None  # how long it takes; one beat by default
-    seconds: Positive | None = None  # the same in seconds
+    seconds: Time | None = None  # the same in seconds
     after: tuple[Name, ...] | Join | None = None  # what must be over before; default: one above
     while_: Annotated[Name | None, Field(alias="while")] = None  # on as long as this one is on
     if_: Annotated[Condition | None, Field(alias="if")] = None  # else it is skipped
     done: Literal["on-time", "reached"] | Condition = "on-time"  # when it is over
     tolerance: Positive | None = None  # what counts as reached, in the primitive's unit
-    timeout: Positive | None = None  # [s] after which one that waits for something gives up
+    timeout: Time | None = None  # [s] after which one that waits for something gives up
     otherwise: Name | None = None  # what begins instead when it gave up, or `if` did not hold
     repeat: Times | Repeat = 1  # how often it is done
-    hand_over: NonNegative | None = None  # [s] cross-fade from what moved its joints before
+    hand_over: Fade | None = None  # [s] cross-fade from what moved its joints before
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -147,11 +150,15 @@ class TaskSpec(BaseModel):
     task: Name  # what it is called
     title: str = ""  # the same for people
     source: str = ""  # where the words come from
+    # whose metres and seconds it is written in; on another body they are scaled; default: on any
+    # body they are as they stand
+    body: str | None = None
     tempo: Tempo = 60.0  # beats per minute
     tempo_map: Annotated[tuple[TempoStep, ...], Field(max_length=MOST_STEPS)] = ()  # later tempos
     start: str | None = None  # posture of the body to begin in; default: its home
-    hand_over: NonNegative = 0.1  # [s] cross-fade between sub-tasks that claim the same joints
+    hand_over: Fade = 0.1  # [s] cross-fade between sub-tasks that claim the same joints
     coda: NonNegative = 1.0  # beats for which the last goals are held
+    gains: Firmness | None = None  # how firmly the body holds itself: factors of its own gains
     safety: Literal["none", "filter"] = "none"  # what comes after all torques are summed
     # whether ways of hands that it says nothing of are to be found first
     rehearse: bool = False

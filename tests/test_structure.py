@@ -19,6 +19,7 @@ OWNERS = {
     "lark": {"specs"},
     "networkx": {"specs", "arbiter"},
     "typer": {"adonis"},
+    "cmaes": {"adonis"},
     "rich": {"adonis"},
     "matplotlib": {"adonis"},
     "mink": {"sim"},

@@ -221,14 +221,14 @@ def _dance(
         bound, seed=seed, contributions=False, progress=lambda share, what: tell(what, 0.5 * share)
     )[0]
     tell("judging", 0.5)
-    judgement = judge(recording, spec)
+    judgement = judge(recording, bound.spec)
     replay = Replay(recording)
     tell("measuring", 0.7)
     moves = tuple(_moves(bound, recording, judgement, replay))
     if costs:
         tell("timing", 0.8)
         cost |= against_physics(bound)
-    return Dancer(name, spec, recording, judgement, replay, moves, cost)
+    return Dancer(name, bound.spec, recording, judgement, replay, moves, cost)
 
 
 def _controller(name: str) -> str:

@@ -6,9 +6,11 @@ import numpy as np
 
 from adonis.judging import judge
 from adonis.measures import speed
+from adonis.rehearsal.outlook import carries, claims
+from adonis.rehearsal.stage import EARLY
 from adonis.verdicts import Measure
 from primitives import GoToPoint
-from sim import Body, Recording, Replay, way_gone
+from sim import Body, Recording, Replay, reach, way_gone
 from specs import BoundTask
 
 AMPLE = 0.75  # share of what is allowed that a way may use up, to be called comfortable
@@ -19,6 +21,8 @@ MISSED = 1e4  # cost of that: more than of anything else
 HOPELESS = 150.0  # cost from which on it does not matter how a movement looks
 FAST = 0.15  # cost of the hand's peak speed [s/m]
 BENT = 2.0  # cost of a joint near the end of its range
+ROOMY = 0.012  # miss of the hand that goes next, by inverse kinematics, that hinders nobody [m]
+HINDERED, MOST_HINDERED = 600.0, 18.0  # cost of a miss beyond that [1/m], and the most it costs
 EASY = 0.85  # share of a joint's range, from its middle, that is not near the end
 
 
@@ -34,17 +38,52 @@ class Grade:
 FAILED = Grade(passes=False, comfortable=False, cost=np.inf)
 
 
-def grade(recording: Recording | None, task: BoundTask, subtask: str) -> Grade:
+def hindered(
+    mark: Grade, recording: Recording | None, task: BoundTask, subtask: str, other: str
+) -> Grade:
+    """The grade of a way, knowing whether it leaves room for the hand that goes next.
+
+    Inverse kinematics tells by how much that hand misses its goal beside the arm, as it is in
+    the end. That costs less than failing, and more than most else.
+
+    Args:
+        mark: the grade for itself.
+        recording: of the way; None: it is not looked at, and the worst is taken for granted.
+        task: that was done.
+        subtask: whose way it is.
+        other: the sub-task that begins while the goal is held: a go-to-point of another arm.
+    """
+    if recording is None:
+        return replace(mark, comfortable=False, cost=mark.cost + MOST_HINDERED)
+    body, does = task.body, task.graph.subtasks[other].does
+    assert isinstance(does, GoToPoint)
+    end = next(s.end for s in recording.spans if s.name == subtask)
+    posture = recording.qpos[recording.row(end)]
+    _, (miss,) = reach(body, body.arm(does.limb), [does.palm_goal(body)], posture=posture)
+    short = max(0.0, float(miss) - ROOMY)
+    return replace(
+        mark,
+        comfortable=mark.comfortable and short == 0.0,
+        cost=mark.cost + min(HINDERED * short, MOST_HINDERED),
+    )
+
+
+def grade(
+    recording: Recording | None, task: BoundTask, subtask: str, *, freed: bool = False
+) -> Grade:
     """Grade the recording of a sub-task that moves a hand.
 
     The judge's own measures come first: of the sub-task, of those before it whose goals are
-    held meanwhile, and those of every run. Then the movement is looked at: how near the arm
-    comes to what it should keep away from, how far hand and joints travel, how fast.
+    held meanwhile, of those after it that are over, and those of every run. Then the movement is
+    looked at: how near the arm comes to what it should keep away from, how far hand and joints
+    travel, how fast.
 
     Args:
         recording: of the sub-task and a little more; None if it broke off.
         task: that was done.
         subtask: which of its sub-tasks: one that is done by go-to-point.
+        freed: whether another limb moves on as soon as it is over, and may give way: then it is
+            wished, and not demanded, that the palm settles beside that limb.
     """
     if recording is None:
         return FAILED
@@ -58,7 +97,10 @@ def grade(recording: Recording | None, task: BoundTask, subtask: str) -> Grade:
     assert isinstance(does, GoToPoint)  # else it would have missed
     held = _held(task, recording, subtask)
     others = [m for v in judgement.verdicts if v.subtask.name in held for m in v.measures]
-    measures = [*own.measures, *judgement.checks, *others]
+    later = [v for v in judgement.verdicts if v.span.start >= own.span.end - EARLY]
+    others += [measure for v in later for measure in v.measures[:1]]
+    reached = own.measures[:1] if freed else own.measures
+    measures = [*reached, *judgement.checks, *others]
     shares = np.array([_share(m) for m in measures])
     cost = float(
         np.sum(NEARLY * np.maximum(0.0, shares - AMPLE))
@@ -66,6 +108,7 @@ def grade(recording: Recording | None, task: BoundTask, subtask: str) -> Grade:
     )
     if cost > HOPELESS:
         return Grade(passes=False, comfortable=False, cost=cost + HOPELESS)
+    cost += sum(NEARLY * max(0.0, _share(m) - AMPLE) for m in own.measures[len(reached) :])
     arm, goal = body.arm(does.limb), does.palm_goal(body)
     moving = slice(recording.row(own.span.start), recording.row(own.span.end) + 1)
     palm = replay.site(arm.limb.palm).position[moving]
@@ -74,7 +117,7 @@ def grade(recording: Recording | None, task: BoundTask, subtask: str) -> Grade:
     way = way_gone(body, arm, goal, palm[rows], postures[rows])
     cost += way.cost + FAST * float(speed(palm, recording.timestep).max())
     cost += BENT * _bent(body, postures[-1], arm.dofs)
-    passes = own.success and all(c.success for c in judgement.checks)
+    passes = all(measure.success for measure in measures)
     comfortable = passes and bool((shares <= AMPLE).all()) and way.clearance > 0.0
     return Grade(passes, comfortable, cost)
 
@@ -97,28 +140,18 @@ def _held(task: BoundTask, recording: Recording, subtask: str) -> set[str]:
 
     Not those whose goal is on what the sub-task itself moves: it cannot help to take it away.
     """
-    claims = dict(zip(task.graph.order, (set(f.claims.tolist()) for f in task.fields), strict=True))
+    claimed = claims(task)
     begun = {s.name: s for s in recording.spans if np.isfinite(s.start)}
     return {
         name
         for name, span in begun.items()
         if span.end <= recording.time[0] + recording.timestep
-        and not carries(task, claims[subtask], name)
+        and not carries(task, claimed[subtask], name)
         and not any(
-            other.start > span.start and claims[name] & claims[other.name]
+            other.start > span.start and claimed[name] & claimed[other.name]
             for other in begun.values()
         )
     }
-
-
-def carries(task: BoundTask, dofs: set[int], name: str) -> bool:
-    """Whether these joints move the goal of a sub-task, and not the hand that is to go there."""
-    does = task.graph.subtasks[name].does
-    if not isinstance(does, GoToPoint):
-        return False
-    moved, joints = task.body.ancestors, sorted(dofs)
-    goal, hand = does.palm_goal(task.body).place.link, task.body.arm(does.limb).hand
-    return bool((moved[goal] & ~moved[hand])[joints].any())
 
 
 def _share(measure: Measure) -> float:

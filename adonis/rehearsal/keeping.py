@@ -5,26 +5,28 @@ It is written anew after each sub-task, so that a rehearsal that was interrupted
 there. A cache that cannot be read or written is none, and no error.
 """
 
-import hashlib
-import json
-import os
 from collections.abc import Mapping
-from functools import lru_cache
-from pathlib import Path
+from typing import Any
 
-import platformdirs
 from pydantic import ValidationError
 
-from adonis.dancing import versions
+from adonis.keeping import keep, kept_file, read_kept
 from adonis.rehearsal.grading import Grade
-from adonis.rehearsal.rehearsing import Progress, Rehearsed, rehearse, with_ways
+from adonis.rehearsal.rehearsing import Progress, rehearse
+from adonis.rehearsal.searching import Rehearsed, with_ways
 from primitives import GoToPoint
 from sim import Body
-from specs import SpecError, TaskSpec, amended, task_to_yaml
+from specs import (
+    GONE,
+    SpecError,
+    TaskSpec,
+    places_of_steps,
+    resized,
+    set_values,
+    task_to_yaml,
+)
 
-CODE = Path(__file__).parents[2]
-FLOORS = ("sim", "primitives", "specs", "arbiter", "adonis")
-WAY = ("upper_arm", "travel", "via")  # what a rehearsal fills in
+WAY = ("upper_arm", "palm", "travel", "via")  # what a rehearsal fills in
 
 
 def rehearsed(
@@ -47,20 +49,19 @@ def rehearsed(
     Raises:
         SpecError: the task does not fit the body.
     """
-    file = _file(spec, body, seed)
-    ways = {} if afresh or file is None else _read(file, spec)
+    file = kept_file("rehearsals", spec, body, seed)
+    ways = {} if afresh else _ways_in(read_kept(file), spec)
 
-    def keep(name: str, way: Rehearsed) -> None:
+    def put_away(name: str, way: Rehearsed) -> None:
         ways[name] = way
-        if file is not None:
-            _write(file, ways)
+        keep(file, _plain(ways))
 
-    found = rehearse(spec, body, seed=seed, known=ways, progress=progress, found=keep)
+    found = rehearse(spec, body, seed=seed, known=ways, progress=progress, found=put_away)
     done = with_ways(spec, {name: way.does for name, way in found.items()})
     return done.model_copy(update={"rehearse": False}), found
 
 
-def task_text(spec: TaskSpec, found: Mapping[str, Rehearsed], text: str) -> str:
+def task_text(spec: TaskSpec, found: Mapping[str, Rehearsed], text: str, size: float = 1.0) -> str:
     """A task file with the ways filled in.
 
     Args:
@@ -68,65 +69,44 @@ def task_text(spec: TaskSpec, found: Mapping[str, Rehearsed], text: str) -> str:
         found: the ways.
         text: of the file that the task was read from; its comments stay. Where the task is not
             written there, sub-task by sub-task, it is written anew.
+        size: how much larger the body of the ways is than that of the file, whose metres are kept.
     """
-    changes: dict[str, dict[str, object]] = {"": {"rehearse": None}}
-    for name, way in found.items():
-        written = way.does.model_dump(mode="json", exclude_defaults=True)
-        changes[name] = {key: written[key] for key in WAY if key in written}
     try:
-        return amended(text, changes)
-    except SpecError:
+        places, changes = places_of_steps(text), dict[tuple[str | int, ...], object]()
+        for name, way in found.items():
+            written = resized(way.does, 1.0 / size).model_dump(mode="json", exclude_defaults=True)
+            changes |= {(*places[name], key): written[key] for key in WAY if key in written}
+        return set_values(text, {("rehearse",): GONE, **changes})
+    except (SpecError, KeyError):  # what it says is written somewhere else
         return task_to_yaml(spec)
 
 
-def _file(spec: TaskSpec, body: Body, seed: int) -> Path | None:
-    """Where the ways of a task are kept; nowhere if it uses primitives of somebody's own."""
-    steps = (*spec.background, *spec.subtasks)
-    if any(type(step.does).__module__.split(".")[0] != "primitives" for step in steps):
-        return None
-    said = [task_to_yaml(spec), body.xml, body.map.model_dump(mode="json"), versions(), seed]
-    key = hashlib.sha256((json.dumps(said, sort_keys=True) + _code()).encode()).hexdigest()
-    return platformdirs.user_cache_path("adonis") / "rehearsals" / f"{key[:32]}.json"
-
-
-@lru_cache(maxsize=1)
-def _code() -> str:
-    """A digest of this program: other code may find other ways."""
-    digest = hashlib.sha256()
-    for path in sorted(path for floor in FLOORS for path in (CODE / floor).rglob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
-def _read(file: Path, spec: TaskSpec) -> dict[str, Rehearsed]:
-    """The ways in a file; none if there is none, or it is damaged."""
+def _ways_in(kept: Any, spec: TaskSpec) -> dict[str, Rehearsed]:
+    """The ways that a file has; none if there is none, or it is damaged."""
     names = {subtask.name for subtask in spec.subtasks}
     try:
-        kept = json.loads(file.read_text(encoding="utf-8"))
         return {
             name: Rehearsed(
-                GoToPoint.model_validate(way["does"]), Grade(**way["grade"]), int(way["tried"])
+                GoToPoint.model_validate(way["does"]),
+                Grade(**way["grade"]),
+                int(way["tried"]),
+                int(way["turns"]),
             )
             for name, way in kept.items()
             if name in names
         }
-    except (OSError, ValueError, TypeError, KeyError, AttributeError, ValidationError):
+    except (ValueError, TypeError, KeyError, AttributeError, ValidationError):
         return {}
 
 
-def _write(file: Path, ways: Mapping[str, Rehearsed]) -> None:
-    kept = {
+def _plain(ways: Mapping[str, Rehearsed]) -> dict[str, Any]:
+    """Ways as JSON has them."""
+    return {
         name: {
             "does": way.does.model_dump(mode="json", exclude_unset=True),
             "grade": vars(way.grade),
             "tried": way.tried,
+            "turns": way.turns,
         }
         for name, way in ways.items()
     }
-    draft = file.with_suffix(f".{os.getpid()}.tmp")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_text(json.dumps(kept), encoding="utf-8")
-        os.replace(draft, file)
-    except OSError:
-        draft.unlink(missing_ok=True)

@@ -24,7 +24,7 @@ EARLY = 1e-9  # [s] for rounding
 class Scene:
     """The moment before a sub-task begins."""
 
-    subtask: str
+    subtask: str  # none, at the opening of a task
     time: float  # [s]
     qpos: FloatArray  # (nq,)
     physics: Moment  # where to go on from: this moment, or the beginning if there is no place
@@ -68,34 +68,43 @@ class Walk:
             self._arbiter.go_on_from(scene.place)
 
 
+def opening(task: BoundTask) -> Scene:
+    """The moment before a task begins."""
+    world = World(task.body)
+    world.reset(task.start)
+    return Scene("", 0.0, task.start, world.moment(), None)
+
+
 def play(
-    variants: Sequence[BoundTask], scene: Scene, seconds: float, *, threads: int = 1
+    variants: Sequence[BoundTask],
+    scene: Scene,
+    seconds: float,
+    *,
+    alone: bool = False,
 ) -> list[Recording | None]:
     """Let variants of a task go on from a scene, each in a simulation of its own.
-
-    What is planned to begin when the scene's sub-task is over is held back.
 
     Args:
         variants: the task with other parameters.
         scene: where they go on from.
         seconds: for how long from there on.
-        threads: of the physics; the result does not depend on it.
+        alone: hold back what is planned to begin when the scene's sub-task is over.
 
     Returns:
         A recording of each from the scene on (from the beginning, if the scene has no place);
         None where the physics went wrong or a primitive asked for nonsense.
     """
     body, n = variants[0].body, len(variants)
-    world = World(body, n, threads=threads)
+    world = World(body, n)
     world.go_back(scene.physics)
     arbiters = [Arbiter(task, contributions=False) for task in variants]
     if scene.place is not None:
         for arbiter in arbiters:
             arbiter.go_on_from(scene.place)
     planned = variants[0].graph.planned
-    later = [name for name, when in planned.items() if when[0] >= planned[scene.subtask][1] - EARLY]
+    over = planned[scene.subtask][1] - EARLY if alone else np.inf
     for arbiter in arbiters:
-        arbiter.hold_back(later)
+        arbiter.hold_back([name for name, when in planned.items() if when[0] >= over])
     states = [world.state.of_one(i) for i in range(n)]
     recorder = Recorder(body, n, about=about(variants[0], 0))
     nobody = np.zeros((n, 0), dtype=np.int32)

@@ -21,7 +21,7 @@ UNDERLINE = re.compile(r"\s*(?:=+|-{3,}|\*{3,}|_{3,})\s*$")
 COMMENT = re.compile(r"<!--.*?-->|(?:^|\s)(?:#|//).*$")
 YES, NO = ("yes", "true", "on"), ("no", "false", "off")
 HEADER = re.compile(
-    r"\s*(title|task|tempo|source|coda|safety|rehearse)\s*[:=]\s*(.*?)\s*$", re.IGNORECASE
+    r"\s*(title|task|tempo|body|source|coda|safety|rehearse)\s*[:=]\s*(.*?)\s*$", re.IGNORECASE
 )
 WORD = re.compile(
     r"\d+(?:\.\d+)?|[^\W\d_]+(?:['’\-][^\W\d_]+)*|[\"“][^\"“”]*[\"”]|\.{3}|[^\s*_`]", re.UNICODE

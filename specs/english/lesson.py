@@ -65,6 +65,8 @@ class Lesson:
         for key in ("title", "task", "source", "coda", "safety"):
             if key in headers:
                 data[key] = _value(headers[key][0])
+        own = vocabulary().defaults["body"]
+        data["body"] = headers["body"][0] if "body" in headers else own
         if self.tempo is not None:
             data["tempo"] = self.tempo
         data["rehearse"] = self.rehearses

@@ -12,7 +12,7 @@ from sim import Body, axes_of, clearances, origin, places_of
 from specs.binding import BoundTask
 from specs.lint.course import Move, led_by
 from specs.lint.finding import Finding, Places, cm, point
-from specs.tolerances import PENETRATION, TOUCH_BEFORE_NEXT
+from specs.tolerances import PENETRATION, TOUCH_BEFORE_NEXT, size_of
 
 Via = dict[str, Any] | None  # as a task file writes it
 
@@ -44,7 +44,7 @@ def colliding_ways(task: BoundTask, places: Places, moves: Sequence[Move]) -> li
     known: dict[int, tuple[Clash, str, Via] | None] = {}
     searches = 0
     for move in moves:
-        if move.short > STRAY:  # then how the arm goes on cannot be foreseen
+        if move.short > STRAY * size_of(task.body):  # then how the arm goes on cannot be foreseen
             found.append(
                 places.finding(
                     "note", "stuck", move.name,

@@ -23,7 +23,7 @@ from specs.binding import BoundTask
 from specs.lint.collisions import is_free
 from specs.lint.course import Move
 from specs.lint.finding import Finding, Places, cm, point
-from specs.tolerances import TOUCH_BEFORE_NEXT as MISS
+from specs.tolerances import TOUCH_BEFORE_NEXT, size_of
 
 ANGLE = 1e-3  # [rad] as good as at home
 ARRIVED = 0.005  # [m] from the goal
@@ -40,7 +40,7 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
     """
     arrive = {m.name for m in moves if m.short < ARRIVED and is_free(task.body, m, m.way[-1:])}
     body, found = task.body, []
-    away = moved_from_home(task)
+    away, allowed = moved_from_home(task), TOUCH_BEFORE_NEXT * size_of(task.body)
     known: dict[object, tuple[float, str, Best]] = {}
     for name in task.graph.order:
         does = task.graph.subtasks[name].does
@@ -51,9 +51,10 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
         key = arm.name, repr(does.to), does.palm
         if key not in known:
             sunk, link = _inside(body, arm, goal, away)
-            known[key] = sunk, link, (0.0, None) if sunk > MISS else best(task, does, away, link)
+            fits = (0.0, None) if sunk > allowed else best(task, does, away, link)
+            known[key] = sunk, link, fits
         sunk, link, (miss, nearest) = known[key]
-        if sunk > MISS:
+        if sunk > allowed:
             found.append(
                 places.finding(
                     "error", "inside-body", name,
@@ -62,7 +63,7 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
                     "to", depth=sunk, link=link,
                 )
             )  # fmt: skip
-        elif miss > MISS:
+        elif miss > allowed:
             said = "bring the goal nearer, or let the waist help"
             if nearest is not None:
                 said = f"the nearest place that it reaches is {point(nearest)}"
@@ -115,7 +116,7 @@ def nearest(body: Body, arm: Arm, goal: Spot, faced: str | None, touched: int = 
         miss = float(np.linalg.norm(palm - place))
         if miss < least:
             least, where = miss, palm - body.at_home(arm.root, ORIGIN)
-        if least <= MISS:
+        if least <= TOUCH_BEFORE_NEXT * size_of(body):
             break
     return least, where
 

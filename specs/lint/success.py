@@ -9,7 +9,7 @@ from primitives.posture_field import PostureField
 from primitives.primitive import FloatArray, IntArray
 from primitives.reach_field import ReachField
 from sim import Arm, Body, axes_of, origin, palm_jacobian, places_of
-from specs.tolerances import ANGLE, PALM_ANGLE, TOUCH_AT_END, TOUCH_BEFORE_NEXT
+from specs.tolerances import ANGLE, PALM_ANGLE, TOUCH_AT_END, TOUCH_BEFORE_NEXT, size_of
 
 LOOKS = 8  # times that a posture that is held is looked at
 Miss = Callable[[FloatArray], float]
@@ -27,13 +27,13 @@ def missing(
         end: posture (nq,) in which the way ends, all being well.
     """
     if isinstance(does, GoToPoint):
-        return _off_place(palm_jacobian(body, body.arm(does.limb), end))
+        return _off_place(palm_jacobian(body, body.arm(does.limb), end), size_of(body))
     return _off_posture(body, does, field.claims, end)
 
 
-def _off_place(jacobian: FloatArray) -> Miss:
+def _off_place(jacobian: FloatArray, size: float) -> Miss:
     def miss(off: FloatArray) -> float:
-        first, last = (float(np.linalg.norm(jacobian @ lag)) for lag in (off[0], off[-1]))
+        first, last = (float(np.linalg.norm(jacobian @ lag)) / size for lag in (off[0], off[-1]))
         return max(first / TOUCH_AT_END, last / TOUCH_BEFORE_NEXT)
 
     return miss

@@ -10,9 +10,11 @@ from typer.testing import CliRunner
 from adonis.cli import app
 from adonis.dancing import run_task
 from adonis.judging import judge
-from adonis.rehearsal import keeping, rehearsing
+from adonis.keeping import read_kept
+from adonis.rehearsal import keeping, searching
 from adonis.rehearsal.keeping import rehearsed, task_text
-from adonis.rehearsal.rehearsing import rehearse, with_ways
+from adonis.rehearsal.rehearsing import rehearse
+from adonis.rehearsal.searching import Rehearsed, with_ways
 from adonis.rehearsal.stage import Walk, play
 from primitives import GoToPoint
 from sim import Body
@@ -45,20 +47,20 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("platformdirs.user_cache_path", lambda name: folder / name)
-        patch.setattr(rehearsing, "FIRST", 16)
-        patch.setattr(rehearsing, "AGAIN", 16)
-        patch.setattr(rehearsing, "KEPT", 5)
+        patch.setattr(searching, "FIRST", 16)
+        patch.setattr(searching, "AGAIN", 16)
+        patch.setattr(searching, "KEPT", 5)
         yield folder
 
 
 @pytest.fixture(scope="module")
-def found(body: Body) -> dict[str, rehearsing.Rehearsed]:
+def found(body: Body) -> dict[str, Rehearsed]:
     _, ways = rehearsed(task_from_text(TEXT)[0], body)
     return ways
 
 
 def test_the_ways_found_pass_where_the_straight_way_does_not(
-    body: Body, found: dict[str, rehearsing.Rehearsed]
+    body: Body, found: dict[str, Rehearsed]
 ) -> None:
     spec, _ = task_from_text(TEXT)
     (straight,) = run_task(bind_task(spec, body))
@@ -70,14 +72,14 @@ def test_the_ways_found_pass_where_the_straight_way_does_not(
     assert found["nape"].does.via
 
 
-def test_a_straight_way_that_passes_is_kept(found: dict[str, rehearsing.Rehearsed]) -> None:
+def test_a_straight_way_that_passes_is_kept(found: dict[str, Rehearsed]) -> None:
     assert found["out"].does.via == ()
     assert found["out"].does.upper_arm is None
     assert found["out"].tried == 1
 
 
 def test_the_same_task_gets_the_same_ways_and_goes_on_from_those_known(
-    body: Body, found: dict[str, rehearsing.Rehearsed]
+    body: Body, found: dict[str, Rehearsed]
 ) -> None:
     spec, _ = task_from_text(TEXT)
     again = rehearse(spec, body, known={"nape": found["nape"]})
@@ -134,7 +136,7 @@ def test_only_hands_without_a_way_are_rehearsed() -> None:
 
 
 def test_what_is_known_is_not_looked_for_again(
-    body: Body, monkeypatch: pytest.MonkeyPatch, found: dict[str, rehearsing.Rehearsed]
+    body: Body, monkeypatch: pytest.MonkeyPatch, found: dict[str, Rehearsed]
 ) -> None:
     spec, _ = task_from_text(TEXT)
     done, ways = rehearsed(spec, body)
@@ -144,7 +146,7 @@ def test_what_is_known_is_not_looked_for_again(
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("it looked again")
 
-    monkeypatch.setattr(rehearsing._Rehearsal, "run", refuse)
+    monkeypatch.setattr(searching.Search, "_try", refuse)
     assert rehearsed(spec, body) == (done, ways)
     with pytest.raises(AssertionError, match="looked again"):
         rehearsed(spec, body, afresh=True)
@@ -155,12 +157,13 @@ def test_what_is_known_is_not_looked_for_again(
 def test_a_damaged_cache_is_none(cache: Path) -> None:
     spec, _ = task_from_text(TEXT)
     file = cache / "bad.json"
+    assert read_kept(file) is None
     for text in ("", "[]", "{}", '{"nape": 3}', '{"nape": {"does": {}, "grade": {}, "tried": 1}}'):
         file.write_text(text)
-        assert keeping._read(file, spec) == {}
+        assert keeping._ways_in(read_kept(file), spec) == {}
 
 
-def test_ways_are_written_beside_the_comments(found: dict[str, rehearsing.Rehearsed]) -> None:
+def test_ways_are_written_beside_the_comments(found: dict[str, Rehearsed]) -> None:
     spec, _ = task_from_text(TEXT)
     ways = with_ways(spec, {name: way.does for name, way in found.items()})
     text = task_text(ways, found, TEXT)
@@ -174,9 +177,7 @@ def test_ways_are_written_beside_the_comments(found: dict[str, rehearsing.Rehear
     assert anew.subtasks == ways.subtasks
 
 
-def test_the_command_writes_the_task(
-    tmp_path: Path, found: dict[str, rehearsing.Rehearsed]
-) -> None:
+def test_the_command_writes_the_task(tmp_path: Path, found: dict[str, Rehearsed]) -> None:
     file, out = tmp_path / "brow.yaml", tmp_path / "done.yaml"
     file.write_text(TEXT)
     ended = CliRunner().invoke(app, ["rehearse", str(file), "--out", str(out)])

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from specs import SpecError, set_values, task_from_text, write_back
+from specs import GONE, SpecError, places_of_steps, set_values, task_from_text, write_back
 from specs.reading import read_text
 
 TEXT = """\
@@ -40,13 +40,51 @@ def test_a_value_changes_and_its_comments_stay(tmp_path: Path) -> None:
     assert file.read_text() == TEXT.replace(
         "to: head.top ", "to: {near: head.top, away: 0.05} "
     ).replace("away: 0.1}", "away: 0.2}").replace(
-        "- name: up        # comes first\n", "- name: up        # comes first\n    beats: 1.5\n"
+        "# round the ear\n", "# round the ear\n    beats: 1.5\n"
     ).replace("posture: rest}", "posture: rest, stiffness: 120.0}").replace(
         "# its name\n", "# its name\ntitle: 'Hello: \"you\", # and all'\n"
     )
     assert sorted(tmp_path.iterdir()) == [file]
     spec, _ = task_from_text(file.read_text())
     assert spec.subtasks[0].beats == 1.5
+
+
+def test_keys_are_taken_out_with_their_lines_and_added_in_order() -> None:
+    changed = set_values(
+        TEXT,
+        {
+            ("subtasks", 0, "limb"): GONE,
+            ("subtasks", 1, "limb"): GONE,
+            ("subtasks", 0, "none"): GONE,
+            ("subtasks", 0, "beats"): 2,
+            ("subtasks", 0, "hand_over"): 0.2,
+        },
+    )
+    assert changed == TEXT.replace("    limb: right_arm\n", "").replace(
+        ", limb: right_arm, posture", ", posture"
+    ).replace("# round the ear\n", "# round the ear\n    beats: 2\n    hand_over: 0.2\n")
+
+
+def test_a_list_of_mappings_is_added_line_by_line() -> None:
+    via = [{"near": "head.top", "at": 0.3}, {"near": "head.back", "away": 0.1}]
+    text = TEXT.replace("    via: [{near: head.left, away: 0.1}]  # round the ear\n", "")
+    changed = set_values(text, {("subtasks", 0, "via"): via})
+    added = "    via:\n      - {near: head.top, at: 0.3}\n      - {near: head.back, away: 0.1}\n"
+    assert changed == text.replace("# touch it\n", f"# touch it\n{added}")
+
+
+def test_several_lines_are_taken_out_whole() -> None:
+    text = TEXT.replace(
+        "    via: [{near: head.left, away: 0.1}]  # round the ear\n",
+        "    via:\n      - {near: head.left}   # one\n      - {near: head.back}   # two\n",
+    )
+    changed = set_values(text, {("subtasks", 0, "via"): GONE})
+    assert changed == text[: text.index("    via:")] + text[text.index("  # and then") :]
+
+
+def test_steps_are_found_by_their_names() -> None:
+    assert places_of_steps(TEXT) == {"up": ("subtasks", 0), "down": ("subtasks", 1)}
+    assert places_of_steps("task: none") == {}
 
 
 @pytest.mark.parametrize(
