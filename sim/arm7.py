@@ -5,7 +5,7 @@ from sim.anthropometry import MALE, Anthropometry
 from sim.body import Body
 from sim.body_map import BodyMap, Limb
 from sim.briskness import DAMPING_RATIO, FREQUENCY, SPEED
-from sim.foreign.gains import hand_spring, servos
+from sim.gain_rules import hand_spring, servos
 
 SIDE = "right"
 SHOULDER = ("shoulder_y", "shoulder_x", "shoulder_z")

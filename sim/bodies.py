@@ -4,17 +4,15 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
-import mujoco
-import numpy as np
-
 from sim.adonis_character import EYES, JOINTS, SIDES, build_adonis
 from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.arm7 import arm7
 from sim.body import Body
-from sim.body_map import BodyMap, Head, Limb, Servo, Spring
+from sim.body_map import BodyMap, Head, Limb, Spring
 from sim.briskness import DAMPING_RATIO, FREQUENCY, SPEED
 from sim.errors import BodyError, unknown
 from sim.extending import renamed
+from sim.gain_rules import servos
 from sim.gains import Gains, scaled_gains
 from sim.laws import Law
 from sim.people import person
@@ -120,6 +118,7 @@ def _man(name: str, *, limits: bool, contacts: bool) -> Body:
     hanging = {"shoulder_y": 0, "shoulder_x": 9, "shoulder_z": 0, "elbow": 14}
     hanging |= {"wrist_z": 0, "wrist_x": 0, "wrist_y": 0}
     rest = {f"{side}_{joint}": float(angle) for side in SIDES for joint, angle in hanging.items()}
+    parts = {name: next(part for part in FREQUENCY if part in name) for name in upright | rest}
     return Body(
         spec,
         BodyMap(
@@ -134,8 +133,8 @@ def _man(name: str, *, limits: bool, contacts: bool) -> Body:
             ),
             landmarks=LANDMARKS,
             postures={"upright": upright, "rest": upright | rest},
-            servos=_servos(spec.compile()),
-            speed_limits={name: _part(name, SPEED) for name in upright | rest},
+            servos=servos(spec.compile(), parts, FREQUENCY, DAMPING_RATIO),
+            speed_limits={name: SPEED[part] for name, part in parts.items()},
             keep_apart=_keep_apart(),
             upright=("waist", "neck"),
         ),
@@ -180,33 +179,6 @@ def load_body(name: str, *, limits: bool = True, contacts: bool = True) -> Body:
     if name not in BODIES:
         raise BodyError(unknown("body", name, BODIES))
     return BODIES[name](limits=limits, contacts=contacts)
-
-
-def _servos(model: mujoco.MjModel) -> dict[str, Servo]:
-    """k = (2 pi f)^2 I and k_d = 2 zeta sqrt(k I), I being the inertia that the joint moves.
-
-    The inertia is the diagonal of the mass matrix with the arms held out half bent.
-    """
-    data = mujoco.MjData(model)
-    for side in SIDES:
-        data.joint(f"{side}_shoulder_y").qpos = np.deg2rad(60)
-        data.joint(f"{side}_elbow").qpos = np.deg2rad(30)
-    mujoco.mj_forward(model, data)
-    mass = np.empty((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
-    servos = {}
-    for j in range(model.njnt):
-        name = model.joint(j).name
-        rate, inertia = 2.0 * np.pi * _part(name, FREQUENCY), mass[j, j]
-        servos[name] = Servo(
-            stiffness=float(rate**2 * inertia), damping=float(2.0 * DAMPING_RATIO * rate * inertia)
-        )
-    return servos
-
-
-def _part(joint: str, numbers: dict[str, float]) -> float:
-    """The number of the part that a joint belongs to."""
-    return next(number for part, number in numbers.items() if part in joint)
 
 
 def _keep_apart() -> tuple[tuple[str, str], ...]:

@@ -5,8 +5,6 @@ motor for each, capsules that collide, coarse meshes that are looked at. Everyth
 model (free joints, its actuators, equalities, tendons, sensors) stays behind.
 """
 
-from collections.abc import Mapping
-from itertools import combinations, product
 from typing import Any
 
 import mujoco
@@ -15,13 +13,12 @@ from numpy.typing import NDArray
 
 from sim.adonis_character import FRICTION, SOFTNESS
 from sim.body import Body
-from sim.body_map import BodyMap, Head, Limb
-from sim.briskness import SPEED
 from sim.errors import BodyError
+from sim.foreign.apart import excluded
 from sim.foreign.body_file import BodyFile, ShapeOf
-from sim.foreign.gains import hand_spring, servos
-from sim.foreign.layout import Joint, Layout, Link, joint_name, lay_out
+from sim.foreign.layout import Joint, Layout, Link, lay_out
 from sim.foreign.looks import looks_of
+from sim.foreign.mapping import body_map
 from sim.foreign.motors import torque_limit
 from sim.foreign.reading import LEAST_MASS, Source
 from sim.foreign.surface import drawn
@@ -270,7 +267,7 @@ class _Builder:
 
     def _collisions(self) -> None:
         """Neighbours overlap by design; elbow halves of upper arms may run into the trunk again."""
-        apart = excluded(self.layout, self.file)
+        apart = excluded(self.layout, self.file.may_overlap)
         for one, other in sorted(apart):
             self.spec.add_exclude(bodyname1=one, bodyname2=other)
         for limb, chain in self.layout.chains.items():
@@ -311,112 +308,6 @@ def anatomical_range(model: Any, joint: Joint) -> tuple[float, float] | None:
     return float(low), float(high)
 
 
-def excluded(layout: Layout, file: BodyFile) -> set[tuple[str, str]]:
-    """Pairs of links that do not collide: neighbours but one, and what the file says."""
-    pairs: set[tuple[str, str]] = {(min(p), max(p)) for p in file.may_overlap}
-    parents = {link.name: link.parent for link in layout.links}
-    chains = [list(chain) for chain in layout.chains.values()]
-    for chain in chains:
-        upper = next(k for k, name in enumerate(chain) if name.endswith("upper_arm"))
-        own = ["trunk", *chain]
-        near = [(a, b) for k, a in enumerate(own) for b in own[k + 1 : k + 3]]
-        near += list(combinations(["trunk", *chain[: upper + 1]], 2))
-        near += list(combinations(chain[upper + 1 :], 2))
-        near.append((chain[upper], chain[-1]))
-        pairs |= {(min(p), max(p)) for p in near}
-    core = {"pelvis", "trunk", "head", *(x.name for x in layout.links)}
-    core -= {name for chain in chains for name in chain}
-    pairs |= {(min(p), max(p)) for p in combinations(sorted(core), 2)}
-    names = {link.name for link in layout.links}
-    fixed = {link.name for link in layout.links if not link.joints}
-
-    def neighbours(a: str, b: str) -> bool:
-        """MuJoCo leaves out parent and child by itself, unless the parent is fixed to the world."""
-        return (parents[a] == b and b not in fixed) or (parents[b] == a and a not in fixed)
-
-    return {
-        (a, b) for a, b in pairs if a != b and a in names and b in names and not neighbours(a, b)
-    }
-
-
-def body_map(layout: Layout, file: BodyFile, spec: Any, known: Mapping[str, float]) -> BodyMap:
-    """The names of a body, and its gains by rule.
-
-    Args:
-        layout: of its links.
-        file: what it says.
-        spec: its model.
-        known: largest speeds of joints of the old model [rad/s].
-    """
-    model = spec.compile()
-    limbs: dict[str, Limb] = {}
-    parts = dict.fromkeys(file.waist, "waist") | dict.fromkeys(file.neck, "neck")
-    for name, limb in file.limbs.items():
-        joints = [joint_name(limb.side, joint) for joint in limb.joints]
-        bend = joints.index(f"{limb.side}_elbow")
-        parts |= dict.fromkeys(joints[:bend], "shoulder") | {joints[bend]: "elbow"}
-        parts |= dict.fromkeys(joints[bend + 1 :], "wrist")
-        side = limb.side
-        limbs[name] = Limb(
-            side=side,
-            joints=tuple(joints),
-            shoulder=tuple(joints[:bend]),
-            elbow=joints[bend],
-            upper_arm=f"{side}_upper_arm",
-            forearm=f"{side}_forearm",
-            hand=f"{side}_hand",
-            palm=f"{side}_palm",
-            spring=limb.spring or hand_spring(model, joints, bend, f"{side}_palm"),
-        )
-    speeds = {
-        j.name: j.said.speed
-        or float(np.rad2deg(known.get(j.said.joint, 0.0)))
-        or SPEED[parts[j.name]]
-        for link in layout.links
-        for j in link.joints
-    }
-    head = None
-    turning = ("neck",) if file.neck else ("waist",) if file.waist else ()
-    if file.head is not None and turning:
-        head = Head(
-            link=layout.head, forward=file.head.forward, eyes=file.head.eyes, joints=turning
-        )
-    missing = {f"{side}_arm": () for side in ("right", "left") if f"{side}_arm" not in limbs}
-    return BodyMap(
-        name=file.body,
-        limbs=limbs,
-        groups={"waist": tuple(file.waist), "neck": tuple(file.neck), **missing},
-        head=head,
-        landmarks=tuple(file.landmarks),
-        postures=file.postures,
-        home=file.home,
-        servos=servos(model, parts, file.frequency, file.damping_ratio),
-        speed_limits=speeds,
-        keep_apart=file.keep_apart if file.keep_apart is not None else kept_apart(layout, file),
-        upright=("waist", "neck"),
-    )
-
-
-def kept_apart(layout: Layout, file: BodyFile) -> tuple[tuple[str, str], ...]:
-    """Forearms and hands against head, trunk and pelvis, and one arm against the other."""
-    solid = set(file.shapes)
-    outer = []  # of each arm: its links from the upper arm outwards
-    for chain in layout.chains.values():
-        upper = next(k for k, name in enumerate(chain) if name.endswith("upper_arm"))
-        outer.append(chain[upper:])
-    pairs = [
-        (own, other)
-        for chain in outer
-        for own in chain[1:]
-        for other in ("head", "trunk", "pelvis")
-    ]
-    pairs += [(chain[0], "head") for chain in outer]
-    for one, other in combinations(outer, 2):
-        pairs += list(product(one, other))
-    never = excluded(layout, file)
-    return tuple(pair for pair in pairs if {*pair} <= solid and (min(pair), max(pair)) not in never)
-
-
 def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
     """Principal moments [kg m^2] that a body can have, and the turn (wxyz) to their axes."""
     moments, axes = np.linalg.eigh(inertia)
@@ -428,10 +319,6 @@ def _principal(inertia: FloatArray) -> tuple[list[float], list[float]]:
     quat = np.empty(4)
     mujoco.mju_mat2Quat(quat, axes.ravel())
     return moments.tolist(), quat.tolist()
-
-
-def _degrees(speed: float | None) -> float:
-    return 0.0 if speed is None else float(np.rad2deg(speed))
 
 
 def volume(shape: ShapeOf) -> float:

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from sim.briskness import DAMPING_RATIO, FREQUENCY
 from sim.foreign.body_file import BodyFile, JointOf
 from sim.foreign.building import anatomical_range, build_spec, volume
-from sim.foreign.gains import half_out, moved_inertia
 from sim.foreign.layout import Layout, joint_name
 from sim.foreign.motors import torque_limit
 from sim.foreign.reading import LEAST_MASS
 from sim.foreign.tree import Tree
+from sim.gain_rules import half_out, moved_inertia
 
 FloatArray = NDArray[np.float64]
 

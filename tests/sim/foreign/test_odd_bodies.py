@@ -26,7 +26,7 @@ TOUCH = f"""task: touch
 tempo: 60{BACKGROUND}
 subtasks:
   - {{name: out, primitive: get-posture, limb: right_arm, posture: {{arm: forward}}}}
-  - {{name: belly, primitive: go-to-point, limb: right_arm, to: belly.front, beats: 2}}
+  - {{name: hip, primitive: go-to-point, limb: right_arm, to: right_hip.front, beats: 2}}
 """
 
 ODD = {
@@ -112,16 +112,16 @@ def test_a_body_without_neck_and_waist_cannot_look(somebody: Maker) -> None:
 
 
 @pytest.mark.parametrize("joints", [6, 7, 8])
-def test_arms_of_six_to_eight_joints_touch_the_belly(joints: int, somebody: Maker) -> None:
+def test_arms_of_six_to_eight_joints_touch_their_hip(joints: int, somebody: Maker) -> None:
     verdicts = touching(somebody, joints)
     assert all(verdict.success for verdict in verdicts), [v.measures for v in verdicts]
 
 
 def test_an_arm_that_cannot_turn_its_palm_is_judged_to_have_missed(somebody: Maker) -> None:
     """Five joints leave the hand two directions too few: it stretches, and touches nothing."""
-    out, belly = touching(somebody, 5)
+    out, hip = touching(somebody, 5)
     assert out.success
-    assert not belly.success
+    assert not hip.success
 
 
 def test_a_hand_without_joints_is_fixed_to_the_forearm(somebody: Maker) -> None:

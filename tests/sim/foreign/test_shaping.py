@@ -5,7 +5,7 @@ import pytest
 
 from sim import adonis
 from sim.foreign.capsule_fit import distances, fit_capsules, fit_symmetric
-from sim.foreign.gains import hand_spring, servos
+from sim.gain_rules import felt_inertia, guard, hand_spring
 
 
 def capsule(start: np.ndarray, end: np.ndarray, radius: float, count: int = 800) -> np.ndarray:
@@ -61,10 +61,8 @@ def test_gains_by_rule_are_adonis_own() -> None:
     spring = hand_spring(body.model, limb.joints, 3, limb.palm)
     for gain, own in limb.spring.model_dump().items():
         assert getattr(spring, gain) == pytest.approx(own, rel=0.02), gain
-    parts = {name: next(p for p in ("waist", "neck", "shoulder", "elbow", "wrist") if p in name)
-             for name in body.map.servos}  # fmt: skip
-    frequency = {"waist": 3.0, "neck": 3.5, "shoulder": 3.0, "elbow": 4.0, "wrist": 6.0}
-    by_rule = servos(body.model, parts, frequency, 0.8)
-    for name, servo in body.map.servos.items():
-        assert by_rule[name].stiffness == pytest.approx(servo.stiffness, rel=1e-6)
-        assert by_rule[name].damping == pytest.approx(servo.damping, rel=1e-6)
+    mass, _, _ = felt_inertia(body.model, limb.joints, 3, limb.palm)
+    arm = body.arm("right_arm")
+    length = body.reach(arm) - float(np.linalg.norm(arm.palm.point))
+    for gain, own in body.map.guard.model_dump().items():
+        assert getattr(guard(mass, length), gain) == pytest.approx(own, rel=0.02), gain

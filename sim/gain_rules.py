@@ -7,7 +7,9 @@ that Adonis' have against his:
     k = w^2 m,  b = 2 zeta w m,    m = 3 / trace(J M^-1 J^T)
 
 m being the effective mass at the palm (Khatib 1987), averaged over all directions, with the arm
-half raised and half bent; likewise the effective moments of inertia of hand and upper arm.
+half raised and half bent; likewise the effective moments of inertia of hand and upper arm. What
+keeps links apart pushes as hard against that mass as Adonis' does against his, within the same
+share of the arm's length.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,7 +19,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.body_map import Servo, Spring
+from sim.body_map import Guard, Servo, Spring
 
 FloatArray = NDArray[np.float64]
 
@@ -28,7 +30,9 @@ UPPER_ARM, UPPER_ARM_DAMPING = 3.09, 0.97
 SHOULDER_DAMPING = 12.6  # per moment of inertia of the upper arm [1/s]
 APPROACH = -112.0  # per mass of the hand [1/(m s)]
 JOINT_DAMPING = 50.4  # per moment of inertia of the upper arm [1/s]
-RAISED, BENT = np.deg2rad(60.0), np.deg2rad(30.0)  # as in `sim.bodies`
+GUARD, GUARD_DAMPING = 4.76, 0.374
+GUARD_RANGE = 0.0272  # per length of upper arm and forearm
+RAISED, BENT = np.deg2rad(60.0), np.deg2rad(30.0)  # while inertia is measured
 
 
 def half_out(model: Any) -> Any:
@@ -97,14 +101,9 @@ def felt_inertia(
 def hand_spring(model: Any, joints: Sequence[str], bend: int, palm: str) -> Spring:
     """The springs of a hand; see `felt_inertia` for the arguments."""
     mass, moment, upper = felt_inertia(model, joints, bend, palm)
-
-    def spring(frequency: float, ratio: float, inertia: float) -> tuple[float, float]:
-        rate = 2.0 * np.pi * frequency
-        return rate**2 * inertia, 2.0 * ratio * rate * inertia
-
-    stiffness, damping = spring(HAND, HAND_DAMPING, mass)
-    turn_stiffness, turn_damping = spring(TURN, TURN_DAMPING, moment)
-    upper_stiffness, upper_damping = spring(UPPER_ARM, UPPER_ARM_DAMPING, upper)
+    stiffness, damping = _spring(HAND, HAND_DAMPING, mass)
+    turn_stiffness, turn_damping = _spring(TURN, TURN_DAMPING, moment)
+    upper_stiffness, upper_damping = _spring(UPPER_ARM, UPPER_ARM_DAMPING, upper)
     return Spring(
         stiffness=stiffness,
         damping=damping,
@@ -116,3 +115,20 @@ def hand_spring(model: Any, joints: Sequence[str], bend: int, palm: str) -> Spri
         approach=APPROACH * mass,
         joint_damping=JOINT_DAMPING * upper,
     )
+
+
+def guard(mass: float, length: float) -> Guard:
+    """What keeps the links of a body apart.
+
+    Args:
+        mass: that a hand feels [kg].
+        length: of upper arm and forearm [m].
+    """
+    stiffness, damping = _spring(GUARD, GUARD_DAMPING, mass)
+    return Guard(range=GUARD_RANGE * length, stiffness=stiffness, damping=damping)
+
+
+def _spring(frequency: float, ratio: float, inertia: float) -> tuple[float, float]:
+    """Stiffness and damping that give an inertia a frequency [Hz] and a damping ratio."""
+    rate = 2.0 * np.pi * frequency
+    return rate**2 * inertia, 2.0 * ratio * rate * inertia
