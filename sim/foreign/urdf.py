@@ -1,5 +1,6 @@
 """URDF as MuJoCo wants it: meshes found, Collada made STL, nothing thrown away on the way."""
 
+import os
 import xml.etree.ElementTree as ET
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -120,8 +121,13 @@ def _find(said: str, folder: Path) -> Path | None:
         file = Path(unquote(parsed.path))
         tried = [file if file.is_absolute() else folder / file]
     else:  # package://, model://: a folder of that name, or what lies in it
-        tried = [above / parsed.netloc / inside for above in (folder, *folder.parents)]
-        tried += [above / inside for above in (folder, *folder.parents)]
+        above = [
+            each
+            for path in dict.fromkeys((Path(os.path.abspath(folder)), folder.resolve()))
+            for each in (path, *path.parents)
+        ]
+        tried = [each / parsed.netloc / inside for each in above]
+        tried += [each / inside for each in above]
     return next((file.resolve() for file in tried if file.is_file()), None)
 
 
