@@ -37,7 +37,7 @@ from primitives import (
     ViaPlace,
     ViaPosture,
 )
-from sim import Body, Recording, Replay, World, adonis, clearances
+from sim import Body, Recording, Replay, World, adonis, clearance, clearances
 from specs import (
     Background,
     BoundTask,
@@ -192,7 +192,7 @@ def try_way(body: Body, seed: int) -> Case:
             body.qpos_of_dof[body.joints("left_arm")]
         ]
         ends = _has(found := lint_task(task), "out-of-reach", "inside-body", "too-fast")
-        if body.clearance(task.start) > 0.0 and not ends:
+        if clearance(body, task.start) > 0.0 and not ends:
             break
     hits = [f for f in found if f.code == "collision"]
     advice: tuple[bool, ...] = ()

@@ -5,7 +5,7 @@ from sim.arm7 import arm7
 from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
-from sim.clearance import clearances, depth_inside
+from sim.clearance import clearance, clearances, depth_inside
 from sim.errors import (
     BeyondRange,
     BodyError,
@@ -118,6 +118,7 @@ __all__ = [
     "body_name",
     "build_body",
     "carrier",
+    "clearance",
     "clearances",
     "depth_inside",
     "extended",

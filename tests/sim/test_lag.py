@@ -5,7 +5,7 @@ import pytest
 
 from adonis.dancing import run_task
 from primitives import CompensateGravity, GetPosture, GoToPoint, Place, Primitive
-from sim import Body, axes_of, clearances, depth_inside, origin, places_of, turned
+from sim import Body, axes_of, clearance, clearances, depth_inside, origin, places_of, turned
 from specs import Background, BoundTask, SubTask, TaskSpec, bind_task
 from specs.lint.course import planned_moves
 
@@ -68,7 +68,7 @@ def test_depth_and_clearance_of_the_same_place_agree(body: Body) -> None:
     assert depth_inside(body, body.home, outside, ["head", "trunk"]) == (0.0, "")
     pairs = body.map.keep_apart
     least = clearances(body, body.home[None], pairs).min()
-    assert least == pytest.approx(body.clearance(body.home), abs=1e-9)
+    assert least == pytest.approx(clearance(body, body.home), abs=1e-9)
 
 
 def test_a_direction_turns_on_the_great_circle(body: Body) -> None:
