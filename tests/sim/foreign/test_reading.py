@@ -113,6 +113,22 @@ def test_packages_are_looked_for_in_the_folders_above(said: str, tmp_path: Path)
     assert height(urdf(inner, f'<mesh filename="{said}"/>')) == pytest.approx(0.2, abs=0.03)
 
 
+def test_packages_are_found_from_inside_their_folder_and_through_a_link(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    inner = tmp_path / "above" / "urdf"
+    (tmp_path / "above" / "meshes").mkdir(parents=True)
+    inner.mkdir()
+    stl(tmp_path / "above" / "meshes" / "t.stl")
+    said = '<mesh filename="package://above/meshes/t.stl"/>'
+    monkeypatch.chdir(inner)
+    assert height(urdf(Path(), said)) == pytest.approx(0.2, abs=0.03)
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "link").symlink_to(inner)
+    found = urdf(tmp_path / "elsewhere" / "link", said)
+    assert height(found) == pytest.approx(0.2, abs=0.03)
+
+
 @pytest.mark.parametrize(
     ("name", "said"), [("gone.stl", "gone.stl is not there"), ("t.glb", "t.glb cannot be read")]
 )
