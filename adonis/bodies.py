@@ -123,14 +123,19 @@ def _print_joints(console: Console, body: Body, file: BodyFile | None) -> None:
     for dof in range(body.nv):
         name = body.dof_name(dof)
         low, high = (np.rad2deg(limit[dof]) for limit in body.range)
-        row = [name, f"{low:.0f} to {high:.0f}", f"{body.torque_limit[dof]:.3g}"]
+        row = [name, f"{low:z.0f} to {high:z.0f}", _short(body.torque_limit[dof])]
         servo = body.map.servos.get(name)
-        row.append(f"{servo.stiffness:.3g}" if servo else "-")
+        row.append(_short(servo.stiffness) if servo else "-")
         row.append(f"{np.rad2deg(body.speed_limit[dof]):.0f}")
         if file is not None:
             row[1:1] = old.get(name, ("", ""))
         table.add_row(*row)
     console.print(table)
+
+
+def _short(number: float) -> str:
+    """Three digits are enough."""
+    return f"{number:.3g}" if number < 1000.0 else f"{number:.0f}"
 
 
 def _print_lacks(console: Console, body: Body) -> bool:

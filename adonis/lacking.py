@@ -87,8 +87,9 @@ def _strength(body: Body) -> list[Lack]:
         arm = body.arm(name)
         try:
             held = pose(body, arm, ArmWords(body.direction("forward"), 0.0))
-        except BodyError:
-            found.append(Lack(f"{name} cannot be held straight forward", "nor can it be asked to"))
+        except BodyError as problem:
+            said = f"{name} cannot be held out straight"
+            found.append(Lack(said, f"postures that ask for it are refused ({problem})"))
             continue
         angles = np.where(np.isnan(held), body.home[body.qpos_of_dof], held)
         still = np.zeros((1, body.nv))

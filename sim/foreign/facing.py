@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 LEFT_WORDS = re.compile(r"[Ll]eft|LEFT|(?:^|[\s_.\-/])(?:[lL](?=[_.\-\s]|$)|L(?=[A-Z]))")
 RIGHT_WORDS = re.compile(r"[Rr]ight|RIGHT|(?:^|[\s_.\-/])(?:[rR](?=[_.\-\s]|$)|R(?=[A-Z]))")
 SNAP = 0.9  # cosine between the line from arm to arm and an axis of the model's own
-WEIGHTS = {"x is forward": 1.0, "names": 3.0, "feet": 1.5, "elbows": 1.0}  # of the witnesses
+WEIGHTS = {"its x axis": 1.0, "names": 3.0, "feet": 1.5, "elbows": 1.0}  # of the witnesses
 SURE = 0.75  # share of the weights that must agree
 CLEARLY = np.deg2rad(30.0)  # arms that hang bend forward by so much better than backward
 
@@ -36,7 +36,7 @@ class Facing:
     def sure(self) -> bool:
         """Whether those that agree outweigh the others, and are not the convention alone."""
         ours, theirs = (sum(WEIGHTS[w] for w in who) for who in (self.witnesses, self.against))
-        return ours > WEIGHTS["x is forward"] and ours >= SURE * (ours + theirs)
+        return ours > WEIGHTS["its x axis"] and ours >= SURE * (ours + theirs)
 
 
 def find_facing(
@@ -48,7 +48,7 @@ def find_facing(
         frame = Frame.of(forward, parts.up)
         side = _named_side(tree, parts.arms[0])
         said = ("names",) if side else ()
-        return Facing(frame, (side or -1.0,), ("x is forward", *said), ())
+        return Facing(frame, (side or -1.0,), ("its x axis", *said), ())
     across = arms[0].places(tree)[0] - arms[1].places(tree)[0]
     across = unit(across - parts.up * (across @ parts.up))
     nearest = int(np.argmax(np.abs(across)))
@@ -57,7 +57,7 @@ def find_facing(
     # If the first arm is the left one, forward is across x up.
     first_is_left = Frame.of(np.cross(across, parts.up), parts.up)
     votes = {
-        "x is forward": _sign(first_is_left.forward @ forward),
+        "its x axis": _sign(first_is_left.forward @ forward),
         "names": _names(tree, parts),
         "feet": _feet(tree, parts, first_is_left),
         "elbows": _elbows(tree, arms, palms, first_is_left),

@@ -8,6 +8,7 @@ range       half a turn either way of hanging straight
 mass        of a link that has none: its capsules' volume at 1000 kg/m^3
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -64,10 +65,9 @@ def fill_joints(layout: Layout, file: BodyFile) -> tuple[BodyFile, dict[str, lis
                 given["range"] = HALF_TURN
             filled[joint.said.joint] = given
     file = _with(file, filled)
-    bare = {name: {**given, "armature": 0.0} for name, given in filled.items()}
-    spec = build_spec(_again(layout, _with(file, bare)), _with(file, bare), looks=False)
-    compiled = spec.compile()
-    inertia = moved_inertia(compiled, half_out(compiled))
+    bare = _with(file, {name: {**given, "armature": ROTOR} for name, given in filled.items()})
+    compiled = build_spec(_again(layout, bare), bare, looks=False).compile()
+    inertia = moved_inertia(compiled, half_out(compiled)) - ROTOR
     for link in layout.links:
         for joint in link.joints:
             dof = compiled.jnt_dofadr[compiled.joint(joint.name).id]
@@ -111,8 +111,6 @@ def _with(file: BodyFile, filled: dict[str, dict[str, Any]]) -> BodyFile:
 
 def _again(layout: Layout, file: BodyFile) -> Layout:
     """The same layout, with what the file says of its joints now."""
-    from dataclasses import replace  # noqa: PLC0415
-
     said = {of.joint: of for of in (*file.waist.values(), *file.neck.values())}
     said |= {of.joint: of for limb in file.limbs.values() for of in limb.joints.values()}
     links = tuple(

@@ -236,7 +236,7 @@ def _notes(
     heard = ", ".join(facing.witnesses)
     against = f"; against: {', '.join(facing.against)}" if facing.against else ""
     doubt = "" if facing.sure else "DOUBTFUL: look at the picture. "
-    notes["base", "forward"] = f"{doubt}guessed by {heard}{against}"
+    notes["base", "forward"] = f"{doubt}guessed from {heard}{against}"
     notes["base", "up"] = "guessed: from legs to arms" if anatomy.parts.legs else "guessed"
     notes["base", "height"] = "guessed: its lowest point is on the floor"
     for arm in anatomy.arms:

@@ -8,7 +8,7 @@ import pytest
 
 from adonis.dancing import run_task
 from adonis.judging import Verdict, judge
-from sim import Body, BodyError, World, build_body, propose, read_model
+from sim import Body, BodyError, World, adonis, arm7, build_body, propose, read_model
 from specs import SpecError, bind_task, task_from_text
 
 Maker = Callable[..., Path]
@@ -130,6 +130,26 @@ def test_a_hand_without_joints_is_fixed_to_the_forearm(somebody: Maker) -> None:
     assert arm.hand != arm.forearm
     assert body.model.body_dofnum[arm.hand] == 0
     assert body.reach(arm) == pytest.approx(0.3 + 0.26, abs=0.12)
+
+
+@pytest.mark.parametrize("own", [adonis, arm7])
+def test_bodies_of_the_package_are_read_like_those_of_others(
+    own: Callable[[], Body], tmp_path: Path
+) -> None:
+    """Joints, ranges, motors and gains are found again in the bare model."""
+    one, path = own(), tmp_path / "somebody.xml"
+    path.write_text(one.spec.to_xml())
+    source = read_model(path)
+    other = build_body(source, propose(source, "somebody", "somebody.xml").file)
+    assert set(other.map.limbs) == set(one.map.limbs)
+    for name, limb in one.map.limbs.items():
+        assert other.map.limbs[name].joints == limb.joints
+    assert other.map.groups == one.map.groups
+    assert [other.dof_name(d) for d in range(other.nv)] == [one.dof_name(d) for d in range(one.nv)]
+    assert np.allclose(other.range, one.range)
+    assert np.allclose(other.torque_limit, one.torque_limit)
+    for joint, servo in one.map.servos.items():
+        assert other.map.servos[joint].stiffness == pytest.approx(servo.stiffness, rel=0.02)
 
 
 @pytest.mark.parametrize("named", [True, False])

@@ -13,12 +13,7 @@ from sim import Body, Proposal, Source, adonis, arm7, build_body, propose, read_
 from specs import body_text, read_body_file
 
 PACKAGES = tuple(Path(folder) for folder in sys.path if folder)
-CHOSEN = {
-    "icub": 18,
-    "human": 17,
-    "talos": 18,
-    "baxter": 18,
-}  # and how many landmarks must be right
+CHOSEN = {"icub": 18, "human": 17, "talos": 18, "baxter": 18}  # how many landmarks must be right
 KNOWN = {truth.robot: truth for truth in truths()}
 # Which way a hand, or a palm, or the head goes as an anatomical angle grows, the arms hanging:
 # what is looked at, its axis, and where to; s is +1 on the left.
