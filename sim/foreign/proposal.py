@@ -261,6 +261,9 @@ def _said(tree: Tree, file: BodyFile) -> list[str]:
     if others:
         some = ", ".join(others[:3]) + (f" and {len(others) - 3} more" if others[3:] else "")
         said.append(f"{len(others)} joints are locked where they are at home: {some}")
+    alone = [f"{one} ({other})" for one, other in tree.source.follows.items() if one in named]
+    if alone:
+        said.append(f"they follow others in the model, and move by themselves: {', '.join(alone)}")
     return said
 
 

@@ -36,12 +36,13 @@ class Source:
     notes: tuple[str, ...]  # what was missing or mended, one sentence each
 
 
-def read_model(path: Path) -> Source:
+def read_model(path: str | Path) -> Source:
     """Read a model.
 
     Raises:
         BodyError: the file is not there, is no model, or is one that MuJoCo refuses.
     """
+    path = Path(path)
     if not path.is_file():
         raise BodyError(f"there is no model {path}: expected a file in MJCF or URDF")
     urdf = None

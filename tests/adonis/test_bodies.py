@@ -1,15 +1,18 @@
 """`adonis body new` and `adonis body check`, and a dance on what they write."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 
 from adonis.body_study import model_of, truths
 from adonis.lacking import lacks_of
-from sim import arm7, load_body
+from sim import BodyFile, arm7, load_body
+from specs import read_body_file
 
 TASK = """task: look
 tempo: 60
@@ -132,3 +135,14 @@ def test_a_sub_task_of_joints_that_a_body_lacks_is_refused(tmp_path: Path) -> No
     assert ended.returncode == 2
     assert "nod.yaml:3:" in ended.stderr
     assert "nod: there is nothing to move: arm7 has no neck" in ended.stderr
+
+
+def test_the_body_file_in_the_documentation_is_one(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "bodies.md").read_text(encoding="utf-8")
+    (tmp_path / "shown.yaml").write_text(
+        dedent(page.split("<!-- a body file -->\n")[1].split("<!-- end -->")[0])
+    )
+    file, _ = read_body_file(tmp_path / "shown.yaml")
+    keys = set(re.findall(r"`(\w+)`", page.split("### The body file")[1].split("**Frames.**")[0]))
+    assert set(BodyFile.model_fields) - {"body", "model", "limbs"} <= keys
+    assert set(file.limbs["right_arm"].joints) > {"shoulder_x", "elbow"}

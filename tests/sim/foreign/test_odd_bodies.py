@@ -1,6 +1,7 @@
 """Bodies of fewer and more parts than Adonis: all are read, and what they lack is no harm."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -183,6 +184,13 @@ def test_a_joint_without_a_motor_gets_what_lifts_its_load(somebody: Maker) -> No
     assert said["wrist_y"].torque is not None
     assert said["shoulder_y"].torque > 3.0 * said["wrist_y"].torque
     assert "torque" in proposal.notes["joint", "right_pitch"]
+
+
+def test_a_joint_that_follows_another_moves_by_itself_which_is_said(somebody: Maker) -> None:
+    source = replace(read_model(somebody()), follows={"right_tilt": "right_nod"})
+    proposal = propose(source, "somebody", "somebody.xml")
+    assert "right_tilt" in {j.joint for j in proposal.file.limbs["right_arm"].joints.values()}
+    assert any("right_tilt (right_nod)" in said for said in proposal.said)
 
 
 def test_joints_without_limits_get_half_a_turn(somebody: Maker) -> None:
