@@ -32,8 +32,8 @@ class Aims:
         link = self.replay.link(head.link)
         eyes = link.position + link.axes @ np.array(head.eyes)
         forward = link.axes @ np.array(head.forward)
-        neck = self._carrier(head.joints)
-        turns = self._carrier(does.joints) if does.joints else neck
+        neck = self.carrier(head.joints)
+        turns = self.carrier(does.joints) if does.joints else neck
         goal = self._goal(does.at, neck)
         point = does.at.point if isinstance(does.at, Target) else None
         if point is not None and turns != neck:  # it stays behind when the waist turns
@@ -46,13 +46,13 @@ class Aims:
         """Angle (T,) [deg] between shoulder to wrist and shoulder to goal."""
         limb = self.names.limbs[does.limb]
         shoulder = self.replay.link(limb.upper_arm).position
-        goal = self._goal(does.at, self.replay.parent(limb.upper_arm))
+        goal = self._goal(does.at, self.carrier(limb.joints))
         return _degrees(self.replay.link(limb.hand).position - shoulder, goal - shoulder)
 
     def tracking(self, does: Follow, start: float) -> FloatArray:
         """Distance (T,) [m] of the palm from the moving point; `start` [s] is when it began."""
         limb = self.names.limbs[does.limb]
-        trunk = self.replay.parent(limb.upper_arm)
+        trunk = self.carrier(limb.joints)
         if does.trajectory is not None:
             goal = self._along(does.trajectory, trunk, start)
         else:
@@ -70,7 +70,7 @@ class Aims:
         if does.limb is None:
             return {joint: np.rad2deg(self.replay.angle(joint)) for joint in does.swings}
         limb = self.names.limbs[does.limb]
-        trunk = self.replay.parent(limb.upper_arm)
+        trunk = self.carrier(limb.joints)
         carrier, palm = self.turned(trunk), self.replay.site(limb.palm).position
         centre = carrier.position if does.at is None else self._goal(does.at, trunk)
         return {
@@ -107,7 +107,7 @@ class Aims:
         shifted: FloatArray = out + carrier.axes @ np.array(target.offset)
         return shifted
 
-    def _carrier(self, names: tuple[str, ...]) -> str:
+    def carrier(self, names: tuple[str, ...]) -> str:
         """The link that carries a chain of joints."""
         joints = [j for name in names for j in self.names.groups.get(name, (name,))]
         model = self.replay.model

@@ -61,14 +61,14 @@ def bind(
     controller: str | None = None,
 ) -> "BoundTask":
     """Read a task and bind it to a body; every mistake in either ends here, with code 2."""
-    from sim import BodyError, load_body
-    from specs import SpecError, bind_task, with_controller
+    from sim import BodyError
+    from specs import SpecError, bind_task, find_body, with_controller
 
     spec, document = load(task, primitives)
     try:
         if controller is not None:
             spec = with_controller(spec, controller)
-        on = load_body(whose(spec, body), limits=limits, contacts=contacts)
+        on = find_body(whose(spec, body), limits=limits, contacts=contacts)
         return bind_task(fit(spec, on, document, tempo), on, document)
     except (BodyError, SpecError) as problem:
         refuse(problem)

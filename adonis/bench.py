@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from adonis.bench_bodies import bodies
 from adonis.bench_composition import composition
 from adonis.bench_safety import safety
 from adonis.dancing import about, versions
@@ -65,6 +66,7 @@ def measure(*, quick: bool = False, tell: Callable[[str], None] = print) -> Any:
     figures["controllers"] = _controllers(body, quick)
     figures["safety"] = safety(body, tell)
     figures["composition"] = composition(body, tell, against_physics)
+    figures["bodies"] = bodies(tell, against_physics)
     tell("a graph of 10 000 sub-tasks")
     figures["graph"] = _graphs(body, 1000 if quick else 4000)
     tell("10 000 sentences in English")

@@ -17,13 +17,16 @@ def print_catalogue(console: Console, kinds: Mapping[str, type[Primitive]]) -> N
         spec, _ = load_task(name)
         table.add_row(name, spec.title, str(len(spec.subtasks)))
     console.print(table)
-    table = Table("body", "limbs", "landmarks", title="Bodies", title_justify="left")
+    table = Table(
+        "body", "limbs and joint groups", "landmarks", title="Bodies", title_justify="left"
+    )
     alike: dict[tuple[tuple[str, ...], ...], list[str]] = {}
     for name in BODIES:
         names = load_body(name).map
-        alike.setdefault((tuple(names.limbs), tuple(sorted(names.landmarks))), []).append(name)
-    for (limbs, landmarks), bodies in alike.items():
-        table.add_row("\n".join(bodies), "\n".join(limbs), ", ".join(landmarks))
+        parts = *names.limbs, *(group for group in names.groups if names.groups[group])
+        alike.setdefault((parts, tuple(sorted(names.landmarks))), []).append(name)
+    for (parts, landmarks), bodies in alike.items():
+        table.add_row("\n".join(bodies), "\n".join(parts), ", ".join(landmarks))
     console.print(table)
     console.print("Anybody else: --body adonis:height=1.3,weight=28,sex=female,age=9", markup=False)
     table = Table(

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from adonis.arguments import BAD_INPUT, FAILED, bind, classes, fit, given_path, load, refuse, whose
+from adonis.body_commands import body_app
 from adonis.characters import adapt
 from adonis.options import (
     INTERRUPTED,
@@ -179,15 +180,15 @@ def check(
     Ends with 2 if the task makes no sense, 1 if there is an error, 0 if at most warnings.
     """
     from adonis.linting import findings_json, print_findings, print_plan
-    from sim import BodyError, load_body
-    from specs import SpecError, bind_task, lint_task, load_task, refusal
+    from sim import BodyError
+    from specs import SpecError, bind_task, find_body, lint_task, load_task, refusal
 
     kinds = classes(primitives)
     if explain and not as_json:
         print_explanation(task)
     try:
         spec, document = load_task(task, primitives=kinds)
-        on = load_body(whose(spec, body))
+        on = find_body(whose(spec, body))
         bound = bind_task(fit(spec, on, document, tempo), on, document)
     except (BodyError, SpecError) as problem:
         if as_json and isinstance(problem, SpecError):
@@ -268,6 +269,7 @@ def schema(
 
 for command in (translate, words, adapt, trials, compare, bench):
     app.command()(command)
+app.add_typer(body_app, name="body")
 
 
 def main() -> None:

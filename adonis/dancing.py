@@ -155,10 +155,10 @@ def _become(
 def random_start(body: Body, task_start: FloatArray, count: int, seed: int) -> FloatArray:
     """Postures (count, nq) with the arms anywhere they can be without touching anything.
 
-    Waist and neck stay as the task starts them.
+    Waist and neck stay as the task starts them; without arms all joints are anywhere.
     """
     rng = np.random.default_rng(seed)
-    dofs = np.concatenate([body.joints(limb) for limb in body.map.limbs])
+    dofs = body.joints(list(body.map.limbs) or "all")
     low, high = (limit[dofs] for limit in body.range)
     low, high = np.maximum(low, -np.pi), np.minimum(high, np.pi)
     found: list[FloatArray] = []

@@ -9,12 +9,13 @@ from adonis.arguments import fit, whose
 from adonis.timeline import timeline
 from adonis.timeline_text import print_timeline
 from primitives import Primitive
-from sim import Recording, load_body
+from sim import Recording
 from specs import (
     SpecError,
     bind_task,
     build_graph,
     claims_of,
+    find_body,
     library,
     load_task,
     task_from_text,
@@ -39,7 +40,7 @@ def print_graph(
     Args:
         task: a name of the library, a file, or the folder of a run.
         style: `timeline` or one of `PRINTERS`.
-        body: by name, of which claims are; default: the task's own.
+        body: by name or by its file, of which claims are; default: the task's own.
         tempo: instead of the task's own.
         primitives: classes of one's own that the task may use.
 
@@ -56,9 +57,14 @@ def print_graph(
         spec, document = task_from_text(text, f"the task of {task}", primitives=primitives)
     else:
         spec, document = load_task(task, primitives=primitives)
-        spec = fit(spec, load_body(whose(spec, body)), document, tempo)
-    if style == "timeline":
+    if recording is not None and style == "timeline":
         print_timeline(Console(), timeline(build_graph(spec, document), recording))
         return
-    bound = bind_task(spec, load_body(whose(spec, body)), document)
+    on = find_body(whose(spec, body))
+    if recording is None:
+        spec = fit(spec, on, document, tempo)
+    if style == "timeline":
+        print_timeline(Console(), timeline(build_graph(spec, document)))
+        return
+    bound = bind_task(spec, on, document)
     print(PRINTERS[style](bound.graph, claims_of(bound)), end="")

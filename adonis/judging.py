@@ -188,7 +188,7 @@ class _Measuring:
             carrier = self.aims.turned(self.replay.link_of_site(place.near))
             point = mark.position + place.away * mark.axes[:, :, 0]
         else:
-            carrier = self.aims.turned(self.replay.parent(limb.upper_arm))
+            carrier = self.aims.turned(self.aims.carrier(limb.joints))
             point = carrier.position + carrier.axes @ np.array(place.point)
         shifted: FloatArray = point + carrier.axes @ np.array(place.offset)
         return shifted
@@ -265,7 +265,7 @@ class _Measuring:
 
     def _from_carrier(self, limb: Limb, directions: FloatArray) -> FloatArray:
         """Directions (T, 3) of the world, seen from the link that carries the limb."""
-        carrier = self.aims.turned(self.replay.parent(limb.upper_arm))
+        carrier = self.aims.turned(self.aims.carrier(limb.joints))
         seen: FloatArray = np.einsum("tij,ti->tj", carrier.axes, directions)
         return seen
 

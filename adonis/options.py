@@ -16,8 +16,8 @@ BodyOption = Annotated[
     str | None,
     typer.Option(
         "--body",
-        metavar="NAME",
-        help="Body that does it.",
+        metavar="BODY",
+        help="Body that does it: a name of `adonis list` or a body file.",
         show_default="the task's own, else adonis",
     ),
 ]

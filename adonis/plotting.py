@@ -33,7 +33,8 @@ def plot_hand_speed(recording: Recording, replay: Replay, names: BodyMap, path: 
         axes.plot(recording.time, hand_speed(replay, limb.palm), color=color, label=limb.side)
     axes.set(ylabel="hand speed [m/s]", xlabel="time [s]", ylim=(0, None))
     _mark_subtasks(axes, recording)
-    axes.legend(loc="upper right", frameon=False, title="hand")
+    if names.limbs:
+        axes.legend(loc="upper right", frameon=False, title="hand")
     figure.savefig(path, dpi=130)
     plt.close(figure)
 
@@ -41,7 +42,8 @@ def plot_hand_speed(recording: Recording, replay: Replay, names: BodyMap, path: 
 def plot_torque(recording: Recording, replay: Replay, names: BodyMap, path: Path) -> None:
     """Torque of every joint as a share of its limit, limb by limb."""
     share = replay.torque_share()
-    parts = {name: limb.joints for name, limb in names.limbs.items()} | dict(names.groups)
+    parts = {name: limb.joints for name, limb in names.limbs.items()}
+    parts |= {name: joints for name, joints in names.groups.items() if joints}
     figure, rows = plt.subplots(
         len(parts), 1, figsize=(11, 2.2 * len(parts)), sharex=True, layout="constrained"
     )

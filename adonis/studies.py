@@ -12,6 +12,7 @@ from adonis.options import BodyOption, PrimitivesOption, TaskArgument
 
 def trials(
     task: TaskArgument,
+    body: BodyOption = None,
     out: Annotated[
         str | None,
         typer.Option(
@@ -32,7 +33,7 @@ def trials(
     from adonis.errors import OutputError
     from adonis.trials import print_trials, run_trials, write_trials
     from sim import SimError
-    from specs import SpecError
+    from specs import SpecError, find_body
 
     console = Console()
     wished = given_path("--out", out)
@@ -41,7 +42,13 @@ def trials(
     try:
         with console.status("starting") as status:
             rows = run_trials(
-                spec, document, starts=starts, seed=seed, threads=threads, progress=status.update
+                spec,
+                document,
+                body=find_body(whose(spec, body)),
+                starts=starts,
+                seed=seed,
+                threads=threads,
+                progress=status.update,
             )
         write_trials(rows, folder)
     except (OutputError, SimError, SpecError) as problem:
@@ -95,8 +102,8 @@ def compare(
     from adonis.dancing import Stopped
     from adonis.errors import InputError, OutputError
     from adonis.performing import perform_comparison
-    from sim import SimError, load_body
-    from specs import SpecError
+    from sim import SimError
+    from specs import SpecError, find_body
 
     spec, _ = load(task, primitives)
     names = DANCERS if controllers is None else tuple(n.strip() for n in controllers.split(","))
@@ -104,7 +111,7 @@ def compare(
     try:
         perform_comparison(
             task,
-            load_body(whose(spec, body)),
+            find_body(whose(spec, body)),
             wished or Path("runs") / f"{spec.task}-compared",
             dancers=names,
             human=known_human(spec.task) if human is None else load_human(human),

@@ -13,9 +13,10 @@ from adonis.dancing import Stopped, random_start, run_task
 from adonis.judging import judge
 from adonis.reporting import prepare_folder, write_text
 from adonis.verdicts import Judgement
-from sim import Push, Recording, load_body
+from sim import Body, Push, Recording, load_body
 from specs import BoundTask, Document, TaskSpec, bind_task, fitted, with_tempo
 
+OTHERS = {"adonis": "adonis-female"}  # bodies that are tried on another as well
 TEMPOS = (80.0, 120.0)  # beats per minute, beside the task's own
 PUSH = 40.0  # [N]
 PUSH_DURATION = 0.1  # [s]
@@ -52,6 +53,7 @@ def run_trials(
     spec: TaskSpec,
     document: Document,
     *,
+    body: Body | None = None,
     starts: int = 20,
     seed: int = 0,
     threads: int = 2,
@@ -62,6 +64,7 @@ def run_trials(
     Args:
         spec: the task.
         document: what it was read from.
+        body: that does it; default: Adonis.
         starts: how many random start postures of the arms.
         seed: of those.
         threads: of the physics.
@@ -71,7 +74,8 @@ def run_trials(
         SpecError: the task does not fit one of the bodies.
     """
     rows: list[Trial] = []
-    body, other = load_body("adonis"), load_body("adonis-female")
+    body = load_body("adonis") if body is None else body
+    spec = fitted(spec, body, document)
 
     def run(task: BoundTask, conditions: Sequence[str], **options: Any) -> None:
         if progress is not None:
@@ -92,8 +96,10 @@ def run_trials(
     run(task, [f"as it stands, {spec.tempo:g} bpm"])
     for tempo in TEMPOS:
         run(bind_task(with_tempo(spec, tempo), body, document), [f"{tempo:g} bpm"])
-    danced = fitted(spec, other, document, tempo=spec.tempo)
-    run(bind_task(danced, other, document), [f"female, {spec.tempo:g} bpm"])
+    if body.map.name in OTHERS:
+        other = load_body(OTHERS[body.map.name])
+        danced = fitted(spec, other, document, tempo=spec.tempo)
+        run(bind_task(danced, other, document), [f"female, {spec.tempo:g} bpm"])
     pushes = _pushes(task)
     run(task, [said for said, _ in pushes], pushes=[p for _, p in pushes])
     if starts:

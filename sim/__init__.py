@@ -1,6 +1,7 @@
 """Floor 1: bodies, physics and recordings. The only floor that imports MuJoCo."""
 
 from sim.anthropometry import FEMALE, MALE, Anthropometry
+from sim.arm7 import arm7
 from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
@@ -15,6 +16,10 @@ from sim.errors import (
     unknown,
 )
 from sim.extending import extended, halfway, renamed
+from sim.foreign.body_file import BodyFile
+from sim.foreign.building import build_body, hanging_places
+from sim.foreign.proposal import Proposal, body_name, propose
+from sim.foreign.reading import Source, read_model
 from sim.foreseeing import Foreseen, Foresight, moved
 from sim.gains import Gains, firmer, mean_hand, mean_joint, scaled_gains, spring_laws
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
@@ -24,16 +29,11 @@ from sim.kinematics import axes_of, origin, places_of, turned
 from sim.laws import Law
 from sim.likeness import Likeness, likeness
 from sim.morphing import between, person_named
-from sim.motions import (
-    Motion,
-    inverse_dynamics,
-    minimum_jerk_profile,
-    site_paths,
-    straight_motion,
-)
+from sim.motions import Motion, inverse_dynamics, minimum_jerk_profile, site_paths, straight_motion
 from sim.people import person
 from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
+from sim.portrait import render_portrait
 from sim.posing import ArmWords, pose
 from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
@@ -59,6 +59,7 @@ __all__ = [
     "BeyondRange",
     "Body",
     "BodyError",
+    "BodyFile",
     "BodyMap",
     "Capsules",
     "Closest",
@@ -83,6 +84,7 @@ __all__ = [
     "NoDisplay",
     "PalmGoal",
     "Poses",
+    "Proposal",
     "Push",
     "Recorder",
     "Recording",
@@ -90,6 +92,7 @@ __all__ = [
     "Replay",
     "Servo",
     "SimError",
+    "Source",
     "Span",
     "Spot",
     "Spring",
@@ -98,8 +101,11 @@ __all__ = [
     "Way",
     "World",
     "adonis",
+    "arm7",
     "axes_of",
     "between",
+    "body_name",
+    "build_body",
     "carrier",
     "clearance",
     "clearances",
@@ -109,6 +115,7 @@ __all__ = [
     "find_way",
     "firmer",
     "halfway",
+    "hanging_places",
     "inertias",
     "inverse_dynamics",
     "joint_inertia",
@@ -127,9 +134,12 @@ __all__ = [
     "places_of",
     "planar_arm",
     "pose",
+    "propose",
     "reach",
+    "read_model",
     "renamed",
     "render_filmstrip",
+    "render_portrait",
     "render_video",
     "scaled",
     "scaled_gains",

@@ -18,6 +18,7 @@ import numpy as np
 
 from sim.anthropometry import MALE, PALM, Anthropometry, Segment
 from sim.landmarks import Ray, place_landmarks
+from sim.scenery import set_scene
 
 Vector = tuple[float, float, float]
 
@@ -79,6 +80,13 @@ def build_adonis(person: Anthropometry, *, limits: bool = True, contacts: bool =
     return _Builder(person, limits, contacts).build()
 
 
+def build_single_arm(
+    person: Anthropometry, side: str, *, limits: bool = True, contacts: bool = True
+) -> Any:
+    """One arm of the character on a pedestal, which is called its trunk, as an `mujoco.MjSpec`."""
+    return _Builder(person, limits, contacts).build_arm(side)
+
+
 class _Builder:
     """Adds the links one by one; every coordinate is in the frame of its link [m]."""
 
@@ -100,6 +108,19 @@ class _Builder:
         for side in SIDES:
             self._arm(trunk, side)
         self._collisions()
+        return self._finished()
+
+    def build_arm(self, side: str) -> Any:
+        self._world()
+        trunk = self.spec.worldbody.add_body(name="trunk", pos=[0.0, 0.0, self.waist_height])
+        self._pedestal(trunk, SIDES[side])
+        self._arm(trunk, side)
+        self.spec.add_exclude(bodyname1="trunk", bodyname2=f"{side}_upper_arm")
+        self.spec.add_exclude(bodyname1=f"{side}_upper_arm", bodyname2=f"{side}_hand")
+        return self._finished()
+
+    def _finished(self) -> Any:
+        """The model with its motors and landmarks."""
         for joint in self.spec.joints:
             self.spec.add_actuator(
                 name=joint.name,
@@ -123,44 +144,8 @@ class _Builder:
         spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         if not self.contacts:
             spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-        spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
-        spec.visual.quality.shadowsize = 4096
-        spec.visual.headlight.ambient = [0.45, 0.45, 0.45]
-        spec.visual.headlight.diffuse = [0.35, 0.35, 0.35]
-        spec.visual.headlight.specular = [0.05, 0.05, 0.05]
-        spec.stat.center = [0.12, 0.0, 0.71 * self.person.stature]
-        spec.stat.extent = 0.70 * self.person.stature
-        spec.add_texture(
-            name="sky",
-            type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-            builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-            rgb1=[0.93, 0.95, 0.97],
-            rgb2=[0.70, 0.77, 0.84],
-            width=256,
-            height=256,
-        )
-        spec.add_material(name="floor", rgba=[0.93, 0.93, 0.94, 1.0], emission=0.12)
-        world = spec.worldbody
-        for name, pos, strength, shadow in (
-            ("key", [1.6, -1.2, 3.4], 0.45, True),
-            ("fill", [2.0, 2.0, 2.4], 0.25, False),
-            ("rim", [-2.0, 1.0, 2.6], 0.25, False),
-        ):
-            world.add_light(
-                name=name,
-                pos=pos,
-                dir=[-pos[0], -pos[1], 1.0 - pos[2]],
-                diffuse=[strength] * 3,
-                castshadow=shadow,
-            )
-        world.add_geom(
-            name="floor",
-            type=mujoco.mjtGeom.mjGEOM_PLANE,
-            size=[6.0, 6.0, 0.1],
-            material="floor",
-            contype=0,
-            conaffinity=0,
-        )
+        height = self.person.stature
+        set_scene(spec, (0.12, 0.0, 0.71 * height), 0.70 * height)
 
     def _legs(self) -> None:
         """The static lower trunk and legs, one link that is fixed to the floor."""
@@ -184,6 +169,18 @@ class _Builder:
             crest = (0.0, s * (half - b), 0.32 * top)
             self._landmark(f"{side}_hip", pelvis, crest, (0.45, s, 0.15))
         _inertial(pelvis, person.mass * 0.4, (0, 0, -0.3), (1.0, 1.0, 0.3))
+
+    def _pedestal(self, trunk: Any, s: float) -> None:
+        """A column beside the arm, and a bracket that carries it."""
+        y, z = s * self.shoulder[1], self.shoulder[2]
+        inner = y - s * 0.22
+        self._capsule(
+            trunk, "column", (0, inner, -self.waist_height), (0, inner, z), 0.06, TROUSERS
+        )
+        self._capsule(trunk, "bracket", (0, inner, z), (0, y - s * 0.06, z), 0.045, TROUSERS)
+        side = "left" if s > 0 else "right"
+        self._landmark(f"{side}_shoulder.top", trunk, (0, y - s * 0.10, z), (0.30, 0.0, 1.0))
+        self._landmark("chest.front", trunk, (0, inner, z - 0.09), (1, 0, 0))
 
     def _trunk(self) -> Any:
         person, a, b = self.person, self.a, self.b

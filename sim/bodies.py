@@ -4,32 +4,26 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
-import mujoco
-import numpy as np
-
 from sim.adonis_character import EYES, JOINTS, SIDES, build_adonis
 from sim.anthropometry import FEMALE, MALE, Anthropometry
+from sim.arm7 import arm7
 from sim.body import Body
-from sim.body_map import BodyMap, Head, Limb, Servo, Spring
+from sim.body_map import BodyMap, Head, Limb, Spring
+from sim.briskness import DAMPING_RATIO, FREQUENCY, SPEED
 from sim.errors import BodyError, unknown
 from sim.extending import renamed
+from sim.gain_rules import servos
 from sim.gains import Gains, scaled_gains
 from sim.laws import Law
 from sim.people import person
 from sim.people_by_name import person_of
+from sim.planar_arm import planar_arm
 from sim.scaling import scale_model, scale_motors
 from sim.weight import add_weight
 
 WAIST = ("waist_z", "waist_x", "waist_y")
 NECK = ("neck_z", "neck_x", "neck_y")
 ARM = ("shoulder_y", "shoulder_x", "shoulder_z", "elbow", "wrist_z", "wrist_x", "wrist_y")
-
-# Natural frequency [Hz] of each joint's servo, carrying the inertia that it moves, and the
-# damping ratio of all: how briskly a person holds a posture. The gains follow from the body.
-FREQUENCY = {"waist": 3.0, "neck": 3.5, "shoulder": 3.0, "elbow": 4.0, "wrist": 6.0}
-DAMPING_RATIO = 0.8
-# Largest speed of each joint [deg/s], which the safety filter keeps. Chosen here, from no source.
-SPEED = {"waist": 250.0, "neck": 500.0, "shoulder": 800.0, "elbow": 900.0, "wrist": 1200.0}
 
 WEIGHT = 2.0  # of adonis-weight [kg]
 
@@ -124,6 +118,7 @@ def _man(name: str, *, limits: bool, contacts: bool) -> Body:
     hanging = {"shoulder_y": 0, "shoulder_x": 9, "shoulder_z": 0, "elbow": 14}
     hanging |= {"wrist_z": 0, "wrist_x": 0, "wrist_y": 0}
     rest = {f"{side}_{joint}": float(angle) for side in SIDES for joint, angle in hanging.items()}
+    parts = {name: next(part for part in FREQUENCY if part in name) for name in upright | rest}
     return Body(
         spec,
         BodyMap(
@@ -138,8 +133,8 @@ def _man(name: str, *, limits: bool, contacts: bool) -> Body:
             ),
             landmarks=LANDMARKS,
             postures={"upright": upright, "rest": upright | rest},
-            servos=_servos(spec.compile()),
-            speed_limits={name: _part(name, SPEED) for name in upright | rest},
+            servos=servos(spec.compile(), parts, FREQUENCY, DAMPING_RATIO),
+            speed_limits={name: SPEED[part] for name, part in parts.items()},
             keep_apart=_keep_apart(),
             upright=("waist", "neck"),
         ),
@@ -162,6 +157,8 @@ PEOPLE: dict[str, Anthropometry] = {
 BODIES: dict[str, Callable[..., Body]] = {
     **{name: partial(adonis, person, name=name) for name, person in PEOPLE.items()},
     "adonis-weight": adonis_with_weight,
+    "arm7": arm7,
+    "planar-arm": planar_arm,
 }
 
 
@@ -182,33 +179,6 @@ def load_body(name: str, *, limits: bool = True, contacts: bool = True) -> Body:
     if name not in BODIES:
         raise BodyError(unknown("body", name, BODIES))
     return BODIES[name](limits=limits, contacts=contacts)
-
-
-def _servos(model: mujoco.MjModel) -> dict[str, Servo]:
-    """k = (2 pi f)^2 I and k_d = 2 zeta sqrt(k I), I being the inertia that the joint moves.
-
-    The inertia is the diagonal of the mass matrix with the arms held out half bent.
-    """
-    data = mujoco.MjData(model)
-    for side in SIDES:
-        data.joint(f"{side}_shoulder_y").qpos = np.deg2rad(60)
-        data.joint(f"{side}_elbow").qpos = np.deg2rad(30)
-    mujoco.mj_forward(model, data)
-    mass = np.empty((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
-    servos = {}
-    for j in range(model.njnt):
-        name = model.joint(j).name
-        rate, inertia = 2.0 * np.pi * _part(name, FREQUENCY), mass[j, j]
-        servos[name] = Servo(
-            stiffness=float(rate**2 * inertia), damping=float(2.0 * DAMPING_RATIO * rate * inertia)
-        )
-    return servos
-
-
-def _part(joint: str, numbers: dict[str, float]) -> float:
-    """The number of the part that a joint belongs to."""
-    return next(number for part, number in numbers.items() if part in joint)
 
 
 def _keep_apart() -> tuple[tuple[str, str], ...]:

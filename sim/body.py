@@ -55,6 +55,7 @@ class Arm:
     upper_arm: int  # link at the shoulder
     forearm: int  # link at the elbow
     hand: int  # link at the wrist
+    links: frozenset[int]  # all from the root, which is not among them, to the hand
     palm: Spot  # centre of the palm and its normal
     fingers: FloatArray  # (3,) unit, from the wrist to the fingertips, in the hand's frame
 
@@ -90,10 +91,9 @@ class Body:
         model = self.model
         self.nv: int = model.nv
         self.timestep: float = model.opt.timestep
-        hinges = {
-            model.joint(j).name: j for j in range(model.njnt) if model.jnt_type[j] in _ONE_DOF
-        }
-        self._joint_ids: Mapping[str, int] = hinges
+        movable = [j for j in range(model.njnt) if model.jnt_type[j] in _ONE_DOF]
+        self._joint_ids: Mapping[str, int] = {model.joint(j).name: j for j in movable}
+        hinges = self._joint_ids
         self._dof_names = {int(model.jnt_dofadr[j]): name for name, j in hinges.items()}
         self.qpos_of_dof: IntArray = np.full(model.nv, -1, dtype=np.int32)
         for j in hinges.values():
@@ -137,15 +137,22 @@ class Body:
         upper = self.link(limb.upper_arm)
         site = self._site(limb.palm)
         axes = _matrix(self.model.site_quat[site])
+        dofs = self.joints(name)
+        root = int(self.model.body_parentid[self.model.dof_bodyid[dofs[0]]])
+        links, hand = [], self.link(limb.hand)
+        while hand not in (root, 0):
+            links.append(hand)
+            hand = int(self.model.body_parentid[hand])
         return Arm(
             name=name,
             limb=limb,
-            dofs=self.joints(name),
+            dofs=dofs,
             shoulder_dofs=self.joints(limb.shoulder),
-            root=int(self.model.body_parentid[upper]),
+            root=root,
             upper_arm=upper,
             forearm=self.link(limb.forearm),
             hand=self.link(limb.hand),
+            links=frozenset(links),
             palm=Spot(self.link(limb.hand), self.model.site_pos[site].copy(), axes[:, 0]),
             fingers=axes[:, 2],
         )
@@ -311,12 +318,8 @@ class Body:
             touched: a link that the hand may touch.
             limbs: whether pairs with other limbs are among them.
         """
-        own = {self.link(n) for n in (arm.limb.upper_arm, arm.limb.forearm, arm.limb.hand)}
-        others = {
-            self.link(n)
-            for limb in self.map.limbs.values()
-            for n in (limb.upper_arm, limb.forearm, limb.hand)
-        }
+        own = set(arm.links)
+        others = {link for name in self.map.limbs for link in self.arm(name).links}
         left_out = own if limbs else others
         found = []
         for names in self.map.keep_apart:

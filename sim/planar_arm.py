@@ -14,20 +14,26 @@ import numpy as np
 
 from sim.adonis_character import JOINTS, SKIN
 from sim.anthropometry import MALE, Anthropometry, Segment
-from sim.bodies import DAMPING_RATIO, FREQUENCY
 from sim.body import Body
 from sim.body_map import BodyMap, Servo
+from sim.briskness import DAMPING_RATIO, FREQUENCY
 
 RANGES = {"shoulder": (-40.0, 140.0), "elbow": (0.0, 150.0)}  # [deg]
 LIKE = {"shoulder": "shoulder_y", "elbow": "elbow"}  # whose motor, armature and damping
 HOME = {"shoulder": 45.0, "elbow": 90.0}  # [deg]
 
 
-def planar_arm(person: Anthropometry = MALE) -> Body:
+def planar_arm(person: Anthropometry = MALE, *, limits: bool = True, contacts: bool = True) -> Body:
     """Joints `shoulder` and `elbow`, group `arm`, links `upper_arm` and `forearm`, site `hand`.
 
     The hand is the tip of the second link.
+
+    Args:
+        person: segment masses, lengths and moments.
+        limits: joint limits on.
+        contacts: nothing of it collides, so this changes nothing; all bodies take it.
     """
+    del contacts
     spec = mujoco.MjSpec()
     spec.modelname = "planar-arm"
     spec.compiler.degree = False
@@ -39,6 +45,7 @@ def planar_arm(person: Anthropometry = MALE) -> Body:
     forearm = _link(upper, "forearm", "elbow", person.upper_arm.length, outer)
     forearm.add_site(name="hand", pos=[0.0, -outer.length, 0.0], size=[0.01, 0.01, 0.01])
     for joint in spec.joints:
+        joint.limited = limits
         spec.add_actuator(
             name=joint.name,
             target=joint.name,

@@ -69,7 +69,7 @@ def render_filmstrip(
         "size": size,
         "path": str(Path(path).absolute()),
     }
-    _work(recording, job)
+    render(recording, job)
 
 
 def render_video(
@@ -93,13 +93,17 @@ def render_video(
         "size": size,
         "path": str(Path(path).absolute()),
     }
-    _work(recording, job, progress)
+    render(recording, job, progress)
 
 
-def _work(
+def render(
     recording: Recording, job: dict[str, Any], progress: Callable[[float], None] | None = None
 ) -> None:
-    """Let a process of its own do a job, with one OpenGL backend after the other."""
+    """Let a process of its own do a job, with one OpenGL backend after the other.
+
+    Raises:
+        NoDisplay: none of them works.
+    """
     tried = []
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "recording.npz"

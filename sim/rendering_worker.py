@@ -17,8 +17,12 @@ from PIL import Image, ImageDraw, ImageFont
 from sim.recording import Recording
 
 Picture = NDArray[np.uint8]
+Pixels = tuple[float, float]
 TRAIL_COLORS = ((0.86, 0.33, 0.16, 0.9), (0.10, 0.55, 0.42, 0.9))
 CAPTION = 44  # height [pixels]
+LINE = 18.0  # height of a name [pixels]
+LOOKS, MATTER = 1, 3  # groups of geoms: meshes to be looked at, and capsules that collide
+SEEN, HIDDEN = "#b3202a", "#5f6570"  # of landmarks that face us, and of those on the far side
 THICK = 0.004  # radius of the way of a palm, as a share of what is shown
 SHAPES = (  # of a model, what a body changes that becomes another one
     *("body_pos", "body_quat", "geom_pos", "geom_quat", "geom_size", "geom_rbound"),
@@ -42,11 +46,12 @@ class Camera:
         self._camera.lookat[:] = self.model.stat.center
         self._camera.distance = 1.65 * self.model.stat.extent
         self._camera.azimuth, self._camera.elevation = view
+        self._option = mujoco.MjvOption()
 
     def shoot(self, row: int, palms: list[str] | None = None, since: int = 0) -> Picture:
         """The picture of a row, with the way that the palms came from the row `since`."""
         self._set(row)
-        self._renderer.update_scene(self._data, self._camera)
+        self._renderer.update_scene(self._data, self._camera, self._option)
         for palm, color in zip(palms or (), TRAIL_COLORS * 4, strict=False):
             self._draw_trail(palm, since, row, color)
         return np.array(self._renderer.render())
@@ -63,6 +68,44 @@ class Camera:
         way = self.shoot(row, palms, since).astype(np.float32)
         drawn = np.abs(way - shots[-1]).max(axis=2, keepdims=True) > DIFFERENT
         return np.where(drawn, way, whole).astype(np.uint8)
+
+    def look(self, view: tuple[float, float], closeness: float, *, shapes: bool) -> None:
+        """Look from elsewhere.
+
+        Args:
+            view: azimuth and elevation [deg].
+            closeness: 1 for as near as before.
+            shapes: whether what collides is shown, in place of what is only looked at.
+        """
+        self._camera.azimuth, self._camera.elevation = view
+        self._camera.distance = 1.65 * self.model.stat.extent / closeness
+        self._option.geomgroup[LOOKS], self._option.geomgroup[MATTER] = not shapes, shapes
+
+    def spot(self, site: str) -> tuple[Pixels, Pixels, bool]:
+        """Where a site is in the last picture, where its +x axis points, and if it faces us."""
+        data = self._data.site(site)
+        normal = data.xmat.reshape(3, 3)[:, 0]
+        facing = bool(normal @ (self._eye() - data.xpos) > 0.0)
+        out = data.xpos + 0.05 * self.model.stat.extent * normal
+        return self._pixels(data.xpos), self._pixels(out), facing
+
+    def _eye(self) -> NDArray[np.float64]:
+        """Where the camera is (3,): between its two eyes."""
+        left, right = (np.array(camera.pos) for camera in self._renderer.scene.camera)
+        middle: NDArray[np.float64] = 0.5 * (left + right)
+        return middle
+
+    def _pixels(self, point: NDArray[np.float64]) -> Pixels:
+        """Where a point (3,) of the world is in the picture."""
+        eye = self._renderer.scene.camera[0]
+        forward, up = np.array(eye.forward), np.array(eye.up)
+        right = np.cross(forward, up)
+        away = point - self._eye()
+        depth = float(away @ forward)
+        half = 0.5 * self._renderer.height
+        scale = half * eye.frustum_near / eye.frustum_top / depth
+        x = 0.5 * self._renderer.width + scale * float(away @ right)
+        return x, half - scale * float(away @ up)
 
     def _become(self, row: int) -> None:
         """Give what is drawn the shapes of the model that was run in a row."""
@@ -135,11 +178,55 @@ def video(recording: Recording, job: dict[str, Any]) -> None:
     writer.close()
 
 
+def portrait(recording: Recording, job: dict[str, Any]) -> None:
+    """A body from several sides, with the names of its landmarks at the edges of the picture."""
+    width, height = job["size"]
+    camera = Camera(recording, job["views"][0], job["size"])
+    strip = Image.new("RGB", (len(job["views"]) * width, height), "white")
+    pen, font = ImageDraw.Draw(strip), ImageFont.load_default(size=13)
+    for k, (view, shapes) in enumerate(zip(job["views"], job["shapes"], strict=True)):
+        camera.look(view, 0.8, shapes=shapes)
+        strip.paste(Image.fromarray(camera.shoot(0)), (k * width, 0))
+        spots = [(name, *camera.spot(name)) for name in job["marks"]]
+        middle = float(np.median([at[0] for _, at, _, _ in spots])) if spots else 0.5 * width
+        for left in (True, False):
+            column = sorted(
+                (spot for spot in spots if (spot[1][0] < middle) == left), key=lambda s: s[1][1]
+            )
+            _name_spots(pen, font, column, k * width, width, height, left)
+    strip.save(job["path"], optimize=True)
+
+
+def _name_spots(
+    pen: ImageDraw.ImageDraw,
+    font: Any,
+    column: list[tuple[str, Pixels, Pixels, bool]],
+    shift: int,
+    width: int,
+    height: int,
+    left: bool,
+) -> None:
+    """Write the names of spots one below the other at an edge, each with a line to its spot."""
+    free = 8.0
+    lowest = [height - 8.0 - LINE * (len(column) - k) for k in range(len(column))]
+    for (name, (x, y), (out_x, out_y), facing), last in zip(column, lowest, strict=True):
+        place = min(max(free, y - 0.5 * LINE), last)
+        free = place + LINE
+        color = SEEN if facing else HIDDEN
+        wide = pen.textlength(name, font=font)
+        start = shift + (6 if left else width - 6 - wide)
+        edge = start + wide + 3 if left else start - 3
+        pen.line([(edge, place + 0.5 * LINE), (shift + x, y)], fill=color, width=1)
+        pen.line([(shift + x, y), (shift + out_x, out_y)], fill=color, width=3)
+        pen.ellipse([shift + x - 4, y - 4, shift + x + 4, y + 4], fill=color, outline="white")
+        pen.text((start, place), name, fill=color, font=font, stroke_width=2, stroke_fill="white")
+
+
 def main() -> None:
     """Do the job that the first argument describes."""
     job = json.loads(Path(sys.argv[1]).read_text())
     recording = Recording.load(job["recording"])
-    {"filmstrip": filmstrip, "video": video}[job["what"]](recording, job)
+    {"filmstrip": filmstrip, "video": video, "portrait": portrait}[job["what"]](recording, job)
 
 
 if __name__ == "__main__":

@@ -151,11 +151,6 @@ class Replay:
         index = self._id(mujoco.mjtObj.mjOBJ_SITE, "site", name)
         return str(self.model.body(self.model.site_bodyid[index]).name)
 
-    def parent(self, name: str) -> str:
-        """Name of the link that carries a link."""
-        index = self._id(mujoco.mjtObj.mjOBJ_BODY, "link", name)
-        return str(self.model.body(self.model.body_parentid[index]).name)
-
     def dof(self, joint: str) -> int:
         """Degree of freedom of a joint."""
         index = self._id(mujoco.mjtObj.mjOBJ_JOINT, "joint", joint)

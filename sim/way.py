@@ -261,7 +261,7 @@ class _Scene:
 
 def _pairs(body: Body, arm: Arm) -> list[tuple[int, int, tuple[str, str]]]:
     """What must not touch an arm, the other arm too: geoms, and the links that they are of."""
-    own = {arm.limb.upper_arm, arm.limb.forearm, arm.limb.hand}
+    own = {body.model.body(link).name for link in arm.links}
     found = []
     for names in body.map.keep_apart:
         one, other = sorted(names, key=lambda name: name not in own)

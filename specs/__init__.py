@@ -2,6 +2,8 @@
 
 from specs.available import available_primitives, primitives_in
 from specs.binding import BoundTask, bind_task
+from specs.body_loading import find_body, is_body_file, read_body_file, source_of
+from specs.body_writing import body_text
 from specs.claims import claims_of
 from specs.conditions import Condition, Join, Repeat
 from specs.controllers import load_variant, with_controller, with_parameter
@@ -18,6 +20,7 @@ from specs.reading import Document
 from specs.reference import reference
 from specs.schema import SHIPPED_SCHEMA, task_schema
 from specs.task import Background, SubTask, TaskSpec, with_tempo
+from specs.validating import read_checked
 from specs.writing import task_to_data, task_to_yaml
 
 __all__ = [
@@ -41,23 +44,29 @@ __all__ = [
     "TaskSpec",
     "available_primitives",
     "bind_task",
+    "body_text",
     "build_graph",
     "claims_of",
+    "find_body",
     "find_task",
     "fit_of",
     "fitted",
+    "is_body_file",
     "library",
     "lint_task",
     "load_task",
     "load_variant",
     "places_of_steps",
     "primitives_in",
+    "read_body_file",
+    "read_checked",
     "reference",
     "refitted",
     "refusal",
     "resized",
     "set_values",
     "slowed",
+    "source_of",
     "task_from_text",
     "task_schema",
     "task_to_data",

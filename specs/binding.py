@@ -1,10 +1,8 @@
 """Binding: a task meets a body. Every name becomes an index here, and every error is raised."""
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import networkx as nx
 import numpy as np
@@ -28,12 +26,12 @@ from specs.fitting import fitted
 from specs.graph import TaskGraph, build_graph
 from specs.groups import check_groups, together
 from specs.ordering import Known, members, order_of
+from specs.quoting import quoted_place
 from specs.reading import Document, Path_
 from specs.task import Background, SubTask, TaskSpec, keys_of
 
 FIELD = ("claims", "unit", "begin", "torque", "error")  # the parts of a field
 OWN_KEYS = {*keys_of(SubTask), "primitive"}  # of a step of a task; the rest is its primitive's
-QUOTED = re.compile("'([^']*)'")
 
 
 @dataclass(frozen=True)
@@ -153,7 +151,7 @@ def _bind(
         field = graph.paced(primitive, start, duration).bind(body, duration)
         wrong = _no_field(field, body)
     except (BodyError, PrimitiveError) as problem:
-        where, key = _named(document, path, str(problem))
+        where, key = quoted_place(document, path, str(problem), apart_from=OWN_KEYS)
         code = "joint-limit" if isinstance(problem, BeyondRange) else "refused"
         raise document.error(f"{name}: {problem}", where, key=key, code=code) from None
     except (Exception, SystemExit) as problem:  # whatever the user's own code raises
@@ -161,6 +159,10 @@ def _bind(
         raise document.error(said, path) from problem
     if wrong:
         raise document.error(f"{name}: bind of {type(primitive).__name__} {wrong}", path)
+    joints = getattr(primitive, "joints", None)
+    if np.isfinite(duration) and isinstance(joints, tuple) and joints and not len(field.claims):
+        said = f"{name}: there is nothing to move: {body.map.name} has no {', '.join(joints)}"
+        raise document.error(said, (*path, "joints"))
     return field
 
 
@@ -190,39 +192,6 @@ def _no_field(field: object, body: Body) -> str:
 
 def _called(made: object) -> str:
     return "None" if made is None else f"an object of type {type(made).__name__}"
-
-
-def _named(document: Document, path: Path_, message: str) -> tuple[Path_, bool]:
-    """Where the first word in quotes of a message stands below a path, and whether as a key."""
-    quoted = QUOTED.search(message)
-    inside: Any = document.data
-    try:
-        for step in path:
-            inside = inside[step]
-    except (KeyError, IndexError, TypeError):  # the task is not quite what was read
-        return path, False
-    if quoted is None or not isinstance(inside, dict):
-        return path, False
-    parameters = {key: value for key, value in inside.items() if key not in OWN_KEYS}
-    return _search(parameters, quoted[1], path) or (path, False)
-
-
-def _search(inside: object, word: str, path: Path_) -> tuple[Path_, bool] | None:
-    """Depth first, in the order of the file."""
-    if inside == word:
-        return path, False
-    items: Iterable[tuple[str | int, object]] = ()
-    if isinstance(inside, dict):
-        items = inside.items()
-    elif isinstance(inside, list):
-        items = enumerate(inside)
-    for key, value in items:
-        if key == word:
-            return (*path, key), True
-        found = _search(value, word, (*path, key))
-        if found:
-            return found
-    return None
 
 
 def _check_goals(

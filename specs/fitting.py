@@ -24,7 +24,9 @@ from primitives import (
 )
 from primitives.parameters import CARTESIAN_CONTROLLERS
 from primitives.quantity import quantities
-from sim import Body, BodyError, Likeness, likeness, load_body, mean_hand, mean_joint, spring_laws
+from sim import Body, BodyError, Likeness, likeness, mean_hand, mean_joint, spring_laws
+from specs.body_loading import find_body
+from specs.errors import SpecError
 from specs.reading import Document
 from specs.task import SubTask, TaskSpec, with_tempo
 
@@ -52,10 +54,10 @@ def fit_of(spec: TaskSpec, body: Body, document: Document | None = None) -> Fit 
     if spec.body is None or spec.body == body.map.name or not body.map.limbs:
         return None
     try:
-        own = load_body(spec.body)
+        own = find_body(spec.body)
         time = body.map.time_scale / own.map.time_scale
         return Fit(body.map.name, likeness(own, body), time)
-    except BodyError as problem:
+    except (BodyError, SpecError) as problem:
         raise (document or Document(None, "")).error(str(problem), ("body",)) from None
 
 

@@ -1,14 +1,15 @@
 """From plain data to a model; what pydantic finds wrong is said in one line, with its place."""
 
 from collections.abc import Iterable
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from sim import unknown
 from specs.blame import told
 from specs.conditions import Condition, Join, Repeat
-from specs.reading import Document, Path_
+from specs.reading import Document, Path_, read_file
 from specs.task import keys_of
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -19,6 +20,16 @@ PARTS: dict[str | int, type[BaseModel]] = {  # what stands below a key of a sub-
     "repeat": Repeat,
     "until": Condition,
 }
+
+
+def read_checked(path: Path, model: type[Model]) -> Model:
+    """What a YAML file says, as a model.
+
+    Raises:
+        SpecError: with file, line and column.
+    """
+    document = read_file(path)
+    return validate(document, (), document.data, model)
 
 
 def validate(document: Document, path: Path_, data: Any, model: type[Model]) -> Model:
@@ -82,7 +93,7 @@ def _said(problem: dict[str, Any], place: Path_, model: type[BaseModel]) -> str:
     name = _name(place)
     if kind == "extra_forbidden":
         inner = [PARTS[step] for step in loc[:-1] if step in PARTS]
-        around = model if len(loc) == 1 else inner[-1] if inner else None
+        around = inner[-1] if inner and len(loc) > 1 else _model_at(model, loc[:-1])
         return unknown("key", loc[-1], keys_of(around) if around else ())
     if kind == "missing":
         return f"{loc[-1]!r} is missing"
@@ -97,10 +108,27 @@ def _said(problem: dict[str, Any], place: Path_, model: type[BaseModel]) -> str:
     return f"{name} {said}, not {_short(given)}"
 
 
+def _model_at(model: type[BaseModel], loc: Iterable[str | int]) -> type[BaseModel] | None:
+    """The model of what stands at a place below one; None if it may be one of several."""
+    here = [model]
+    for step in loc:
+        own = [field for each in here for key, field in each.model_fields.items()
+               if step in (key, field.alias)]  # fmt: skip
+        here = [each for field in own for each in _models_in(field.annotation)] or here
+    return here[0] if len(here) == 1 else None
+
+
+def _models_in(annotation: object) -> list[type[BaseModel]]:
+    """The models in a type: in its lists, mappings and alternatives."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [each for part in get_args(annotation) for each in _models_in(part)]
+
+
 def _name(place: Path_) -> str:
     """What a place is called: its key, and which item of a list it is."""
     if not place:
-        return "the task"
+        return "the file"
     *around, last = place
     if isinstance(last, int) and around and isinstance(around[-1], str):
         return f"{around[-1]}, item {last + 1},"

@@ -24,7 +24,8 @@ OWNERS = {
     "matplotlib": {"adonis"},
     "mink": {"sim"},
     "daqp": {"arbiter"},
-    "scipy": {"adonis"},
+    "scipy": {"adonis", "sim"},
+    "collada": {"sim"},
     "platformdirs": {"adonis"},
     "jinja2": {"adonis"},
 }

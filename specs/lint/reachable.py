@@ -58,7 +58,7 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
 
 def _inside(body: Body, arm: Arm, goal: Spot, away: set[int]) -> tuple[float, str]:
     """How deep a goal lies in a link that the hand cannot enter [m], and in which."""
-    own = {arm.limb.upper_arm, arm.limb.forearm, arm.limb.hand}
+    own = {body.model.body(link).name for link in arm.links}
     pairs = [pair for pair in body.map.keep_apart if arm.limb.hand in pair]
     links = {link for pair in pairs for link in pair} - own
     links |= {body.model.body(goal.link).name} - own - {"world"}
