@@ -3,6 +3,7 @@
 from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.arm7 import arm7
 from sim.bodies import BODIES, PEOPLE, adonis, load_body
+from sim.blaming import joint_to_blame
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
 from sim.clearance import clearances, depth_inside
@@ -13,6 +14,7 @@ from sim.errors import (
     NoDisplay,
     RecordingError,
     SimError,
+    Unposable,
     unknown,
 )
 from sim.extending import extended, halfway, renamed
@@ -38,7 +40,7 @@ from sim.people import person
 from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
 from sim.portrait import render_portrait
-from sim.posing import ArmWords, pose
+from sim.posing import ArmWords, off_words, pose
 from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
@@ -109,6 +111,7 @@ __all__ = [
     "Spring",
     "Springs",
     "State",
+    "Unposable",
     "Way",
     "World",
     "adonis",
@@ -129,6 +132,7 @@ __all__ = [
     "inertias",
     "inverse_dynamics",
     "joint_inertia",
+    "joint_to_blame",
     "likeness",
     "load_body",
     "mass_matrix",
@@ -136,6 +140,7 @@ __all__ = [
     "mean_joint",
     "minimum_jerk_profile",
     "moving_dofs",
+    "off_words",
     "origin",
     "palm_jacobian",
     "person",
