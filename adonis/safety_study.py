@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from adonis.dancing import random_start, run_task
 from arbiter import MARGIN
 from primitives import AvoidCollisions, CompensateGravity, GetPosture, GoToPoint, Place, Primitive
-from sim import Body, Recording, Replay, State, adonis
+from sim import Body, Recording, Replay, State, adonis, clearance
 from specs import Background, SubTask, TaskSpec, bind_task
 
 FloatArray = NDArray[np.float64]
@@ -139,7 +139,7 @@ def _clear_start(body: Body, start: FloatArray, seed: int) -> FloatArray:
     """A start in which every margin is kept."""
     for k in range(100):
         qpos: FloatArray = random_start(body, start, 1, 1000 * seed + k)
-        if body.clearance(qpos) > MARGIN:
+        if clearance(body, qpos) > MARGIN:
             return qpos
     raise ValueError("no start keeps its margins")
 

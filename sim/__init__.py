@@ -2,11 +2,11 @@
 
 from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.arm7 import arm7
-from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.blaming import joint_to_blame
+from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
-from sim.clearance import clearances, depth_inside
+from sim.clearance import clearance, clearances, depth_inside
 from sim.errors import (
     BeyondRange,
     BodyError,
@@ -22,20 +22,16 @@ from sim.foreign.body_file import BodyFile
 from sim.foreign.building import build_body, hanging_places
 from sim.foreign.proposal import Proposal, body_name, propose
 from sim.foreign.reading import Source, read_model
+from sim.foreseeing import Foreseen, Foresight, moved
 from sim.gains import Gains, firmer, mean_hand, mean_joint, scaled_gains, spring_laws
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
+from sim.hand_springs import HandPath, HandSprings
 from sim.inertia import Inertias, inertias, joint_inertia, mass_matrix
-from sim.lag import Haste, Lag
+from sim.kinematics import axes_of, origin, places_of, turned
 from sim.laws import Law
 from sim.likeness import Likeness, likeness
 from sim.morphing import between, person_named
-from sim.motions import (
-    Motion,
-    inverse_dynamics,
-    minimum_jerk_profile,
-    site_paths,
-    straight_motion,
-)
+from sim.motions import Motion, inverse_dynamics, minimum_jerk_profile, site_paths, straight_motion
 from sim.people import person
 from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
@@ -46,16 +42,7 @@ from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
 from sim.replay import Closest, Poses, Replay
 from sim.scaling import scaled
-from sim.spring_way import (
-    HandPath,
-    Springs,
-    axes_of,
-    origin,
-    palm_jacobian,
-    places_of,
-    spring_way,
-    turned,
-)
+from sim.springs import JointSprings, Springs
 from sim.state import State
 from sim.way import Detour, Way, find_way, straight_way, way_gone
 from sim.world import BareWorld, Moment, Push, World
@@ -80,15 +67,17 @@ __all__ = [
     "Closest",
     "Detour",
     "Diverged",
+    "Foreseen",
+    "Foresight",
     "Frame",
     "Gains",
     "Gaze",
     "Guard",
     "HandPath",
-    "Haste",
+    "HandSprings",
     "Head",
     "Inertias",
-    "Lag",
+    "JointSprings",
     "Law",
     "Likeness",
     "Limb",
@@ -121,6 +110,7 @@ __all__ = [
     "body_name",
     "build_body",
     "carrier",
+    "clearance",
     "clearances",
     "depth_inside",
     "extended",
@@ -139,10 +129,10 @@ __all__ = [
     "mean_hand",
     "mean_joint",
     "minimum_jerk_profile",
+    "moved",
     "moving_dofs",
     "off_words",
     "origin",
-    "palm_jacobian",
     "person",
     "person_named",
     "person_of",
@@ -160,7 +150,6 @@ __all__ = [
     "scaled_gains",
     "site_paths",
     "spring_laws",
-    "spring_way",
     "straight_motion",
     "straight_way",
     "turned",

@@ -395,19 +395,6 @@ class Body:
         mujoco.mj_collision(self.model, data)
         return bool(data.ncon == 0)
 
-    def clearance(self, qpos: FloatArray, within: float = 0.1) -> float:
-        """Smallest distance [m] of links that must not touch, in a posture (nq,); or `within`."""
-        data = mujoco.MjData(self.model)
-        data.qpos[:] = qpos
-        mujoco.mj_kinematics(self.model, data)
-        least = within
-        for names in self.map.keep_apart:
-            one, other = (self.colliding(self.link(name)) for name in names)
-            for a in one:
-                for b in other:
-                    least = min(least, mujoco.mj_geomDistance(self.model, data, a, b, least, None))
-        return float(least)
-
     def colliding(self, link: int) -> list[int]:
         """The geoms of a link that can collide."""
         of_link = np.flatnonzero(self.model.geom_bodyid == link)

@@ -35,6 +35,11 @@ def clearances(body: Body, way: FloatArray, pairs: Iterable[tuple[str, str]]) ->
     return found
 
 
+def clearance(body: Body, qpos: FloatArray) -> float:
+    """Smallest distance [m] of links that must not touch, in a posture (nq,), at most 0.1 m."""
+    return float(clearances(body, qpos[None], body.map.keep_apart).min(initial=FAR))
+
+
 def depth_inside(
     body: Body, qpos: FloatArray, point: FloatArray, links: Iterable[str]
 ) -> tuple[float, str]:

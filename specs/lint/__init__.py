@@ -11,6 +11,7 @@ from specs.lint.finding import KINDS, SEVERITIES, Finding, Places, refusal
 from specs.lint.haste import too_fast
 from specs.lint.joint_limits import beyond_limits
 from specs.lint.reachable import out_of_reach
+from specs.lint.together import Together
 from specs.reading import Document
 
 OF_THE_WAY = ("collision", "stuck", "too-fast")  # kinds that another way may mend
@@ -31,8 +32,9 @@ def lint_task(task: BoundTask, document: Document | None = None) -> list[Finding
     missed = {finding.subtask for finding in found}
     within = [move for move in moves if move.name not in missed]
     found += beyond_limits(task, places, moves)
-    found += too_fast(task, places, within)
-    found += colliding_ways(task, places, within)
+    together = Together(moves)
+    found += too_fast(task, places, within, together)
+    found += colliding_ways(task, places, within, together)
     found += never_begins(task, places)
     found += fighting_primitives(task, places)
     if task.spec.rehearse:

@@ -11,7 +11,7 @@ from specs.binding import BoundTask
 from specs.conditions import Condition
 from specs.graph import OTHERWISE, WHILE
 from specs.lint.finding import Finding, Places, cm
-from specs.lint.reachable import miss_itself, moved_from_home, nearest
+from specs.lint.nearest import miss_itself, moved_from_home, nearest
 from specs.task import SubTask
 
 Holds = Literal["never", "always", "perhaps"]
@@ -54,7 +54,7 @@ def _judged(task: BoundTask, condition: Condition) -> tuple[Holds, str]:
     most = float(np.linalg.norm(where - shoulder)) + body.reach(arm)
     if distance > most:
         return "always", f"the palm is never farther from it than {cm(most)}"
-    least, _ = nearest(body, arm, mark, None)
+    least, _, _ = nearest(body, arm, mark, None)
     return ("never", _at_best(least)) if distance < least - SPARE else ("perhaps", "")
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from primitives import Oscillate
 from primitives.primitive import FloatArray
 from specs.binding import BoundTask
-from specs.lint.course import Move
 from specs.lint.finding import Finding, Places
+from specs.lint.move import Move
 
 MARGIN = 1.0  # [deg] of a range that may be passed
 
@@ -21,9 +21,11 @@ def beyond_limits(task: BoundTask, places: Places, moves: Sequence[Move]) -> lis
     body = task.body
     found = []
     for move in moves:
+        if move.curve is None:
+            continue
         low, high = (np.rad2deg(limit[move.dofs]) for limit in body.range)
-        way = np.rad2deg(move.way[:, body.qpos_of_dof[move.dofs]])
-        past = np.maximum(way.max(axis=0) - high, low - way.min(axis=0))
+        curve = np.rad2deg(move.curve)
+        past = np.maximum(curve.max(axis=0) - high, low - curve.min(axis=0))
         worst = int(np.argmax(past))
         if past[worst] > MARGIN:
             joint = body.dof_name(int(move.dofs[worst]))

@@ -106,7 +106,7 @@ def test_what_comes_later_is_held_back(body: Body) -> None:
     task = bind_task(task_from_text(TEXT)[0], body)
     scene = Walk(task).next({"nape"})
     assert scene is not None
-    (part,) = play([task], scene, 1.2)
+    (part,) = play([task], scene, 1.2, alone=True)
     assert part is not None
     assert [s.outcome for s in part.spans] == ["done", "pending"]
 

@@ -32,6 +32,7 @@ IF = (
     "{name: a, primitive: get-posture, limb: right_arm, posture: rest,"
     " if: {near: right_elbow.inside, limb: right_arm, distance: %s}}"
 )
+WAITS = BEND.replace("name: a", "name: a, if: {%s}") % ("%s", "90")
 FIGHT = """  - {name: b, primitive: get-posture, joints: [neck],
      posture: {neck_x: %s, neck_y: 0, neck_z: 0}}
 subtasks:
@@ -47,10 +48,13 @@ STEPS = {
     ),
     "joint-limit": (SWING % "45", SWING % "39"),
     "too-fast": (OUT % "0.15", OUT % "0.3"),
-    "collision": (REACH % ACROSS, REACH % "{point: [0.4, -0.3, 0.3]}"),
-    "stuck": (REACH % "head.back", REACH % "{point: [0.4, -0.3, 0.3]}"),
+    # It goes 7 mm into the ribs, or passes them at 2 mm.
+    "collision": (REACH % "{point: [0.3, -0.1, 0.3]}", REACH % "{point: [0.3, -0.12, 0.3]}"),
+    "stuck": (REACH % "head.back_right", REACH % "head.right"),
     "never": (IF % "0.15", IF % "0.2"),
+    "event": (WAITS % "event: go", WAITS % "near: head.front, limb: left_arm, distance: 0.4"),
 }
+OF_A_PAIR = ("fight", "claims", "refused")  # kinds that have tests of their own
 
 
 def found(body: Body, step: str, *more: str) -> list[Finding]:
@@ -73,6 +77,10 @@ def test_a_kind_of_finding_is_triggered_and_nearly_triggered(body: Body, kind: s
     assert kind not in {f.code for f in found(body, good)}
 
 
+def test_each_kind_of_finding_has_a_task_that_triggers_it() -> None:
+    assert {*STEPS, *OF_A_PAIR} == set(KINDS)
+
+
 def test_what_is_refused_is_a_finding_with_the_same_words(body: Body) -> None:
     for step, kind in ((BEND % "160", "joint-limit"), (REACH % "nowhere", "refused")):
         with pytest.raises(SpecError) as caught:
@@ -81,6 +89,7 @@ def test_what_is_refused_is_a_finding_with_the_same_words(body: Body) -> None:
         assert (finding.severity, finding.code) == ("error", kind)
         assert f"{finding.place}: {finding.what}" == str(caught.value)
     assert found(body, BEND % "150") == []  # just at the end
+    assert "refused" not in {f.code for f in found(body, REACH % "head.front")}
 
 
 def test_claims_of_the_same_joint_are_a_finding(body: Body) -> None:
@@ -173,6 +182,28 @@ def test_the_via_point_that_is_given_leads_round(body: Body) -> None:
     changed = subtask.model_copy(update={"does": does})
     task = bind_task(spec.model_copy(update={"subtasks": (changed,)}), body, document)
     assert "collision" not in {f.code for f in lint_task(task)}
+
+
+def test_what_is_stuck_says_what_holds_it(body: Body) -> None:
+    (finding,) = [f for f in found(body, REACH % "head.back_right") if f.code == "stuck"]
+    assert finding.severity == "warning"
+    assert dict(finding.numbers)["short"] > 0.05
+    assert "at the end of its range" in finding.what
+    text = HEAD.replace("  - {name: weight, primitive: compensate-gravity}\n", "")
+    weak = OUT % "2, stiffness: 30, damping: 5"
+    (finding,) = linted(body, f"{text}subtasks:\n  - {weak}\n")
+    assert finding.code == "stuck"
+    assert "nothing carries the weight" in finding.what
+
+
+@pytest.mark.parametrize(("away", "hits"), [("after: [a]", True), ("after: [first]", False)])
+def test_where_the_other_arm_is_by_then(body: Body, away: str, hits: bool) -> None:
+    """A hand goes where the other is, which leaves afterwards or at the same time."""
+    first = "{name: first, primitive: go-to-point, limb: left_arm, to: {point: [0.36, -0.1, 0.3]}}"
+    then = REACH.replace("name: a", "name: a, after: [first]") % "{point: [0.36, -0.15, 0.3]}"
+    leave = f"{{name: b, primitive: get-posture, limb: left_arm, posture: rest, {away}}}"
+    codes = {f.code for f in found(body, first, then, leave) if f.subtask == "a"}
+    assert codes == ({"collision"} if hits else set())
 
 
 def test_a_way_that_a_rehearsal_looks_for_is_noted_only(body: Body) -> None:
