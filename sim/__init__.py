@@ -36,7 +36,7 @@ from sim.people import person
 from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
 from sim.portrait import render_portrait
-from sim.posing import ArmWords, off_words, pose
+from sim.posing import ArmWords, off_words, pose, posed
 from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
@@ -139,6 +139,7 @@ __all__ = [
     "places_of",
     "planar_arm",
     "pose",
+    "posed",
     "propose",
     "reach",
     "read_model",

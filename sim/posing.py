@@ -93,6 +93,15 @@ def pose(body: Body, arm: Arm, words: ArmWords) -> FloatArray:
     return angles
 
 
+def posed(body: Body, angles: FloatArray) -> mujoco.MjData:
+    """The kinematics of a body whose joints are at some angles (nv,) [rad]."""
+    data = mujoco.MjData(body.model)
+    data.qpos[:] = body.home
+    data.qpos[body.qpos_of_dof] = angles
+    mujoco.mj_kinematics(body.model, data)
+    return data
+
+
 def off_words(body: Body, arm: Arm, data: mujoco.MjData, words: ArmWords) -> float:
     """By how much an arm is off from what is said of it, in the kinematics of `data` [rad]."""
     held = measure(body, arm, data)
