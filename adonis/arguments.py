@@ -8,7 +8,7 @@ import typer
 
 if TYPE_CHECKING:
     from sim import Body
-    from specs import BoundTask, Document, TaskSpec
+    from specs import BestEffort, BoundTask, Document, TaskSpec
 
 FAILED, BAD_INPUT = 1, 2
 
@@ -51,6 +51,13 @@ def fit(
 
 
 def bind(
+    task: str, body: str | None, tempo: float | None, primitives: list[str] | None
+) -> "BoundTask":
+    """Read a task and bind it to a body; every mistake in either ends here, with code 2."""
+    return bind_as_far(task, body, tempo, primitives)[0]
+
+
+def bind_as_far(
     task: str,
     body: str | None,
     tempo: float | None,
@@ -59,17 +66,22 @@ def bind(
     limits: bool = True,
     contacts: bool = True,
     controller: str | None = None,
-) -> "BoundTask":
-    """Read a task and bind it to a body; every mistake in either ends here, with code 2."""
+    best_effort: bool = False,
+) -> "tuple[BoundTask, BestEffort | None]":
+    """`bind`; and what was asked for, if the body may do only as much of it as it can."""
     from sim import BodyError
-    from specs import SpecError, bind_task, find_body, with_controller
+    from specs import BestEffort, SpecError, bind_task, find_body, with_controller
 
     spec, document = load(task, primitives)
     try:
         if controller is not None:
             spec = with_controller(spec, controller)
         on = find_body(whose(spec, body), limits=limits, contacts=contacts)
-        return bind_task(fit(spec, on, document, tempo), on, document)
+        spec = fit(spec, on, document, tempo)
+        if not best_effort:
+            return bind_task(spec, on, document), None
+        effort = BestEffort.of(spec, on, document)
+        return bind_task(effort.tried, on), effort
     except (BodyError, SpecError) as problem:
         refuse(problem)
 

@@ -2,18 +2,26 @@
 
 import json
 import os
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from adonis.arguments import BAD_INPUT, FAILED, bind, classes, fit, given_path, load, refuse, whose
+from adonis.arguments import (
+    FAILED,
+    bind,
+    bind_as_far,
+    classes,
+    given_path,
+    load,
+    refuse,
+)
 from adonis.body_commands import body_app
 from adonis.characters import adapt
 from adonis.options import (
     INTERRUPTED,
     AfreshOption,
+    BestEffortOption,
     BodyOption,
     Commands,
     Format,
@@ -74,6 +82,7 @@ def run(
     ] = None,
     afresh: AfreshOption = False,
     morph: MorphOption = None,
+    best_effort: BestEffortOption = False,
 ) -> None:
     """Do a task, and say how well it went.
 
@@ -87,9 +96,10 @@ def run(
 
     console = Console()
     wished = given_path("--out", out)
-    bound = bind(
-        task, body, tempo, primitives, limits=limits, contacts=contacts, controller=controller
-    )
+    bound, effort = bind_as_far(
+        task, body, tempo, primitives, limits=limits, contacts=contacts, controller=controller,
+        best_effort=best_effort,
+    )  # fmt: skip
     from adonis.dancing import Stopped, random_start
     from adonis.errors import InputError, OutputError
     from adonis.performing import events_of, perform, perform_morph, perform_rehearsal
@@ -109,7 +119,7 @@ def run(
         )
         results, stopped = perform(
             console, bound, folder, start=begin, seed=seed, video=video, events=events,
-            becoming=becoming,
+            becoming=becoming, effort=effort,
         )  # fmt: skip
     except (InputError, OutputError, SimError, SpecError, Stopped) as problem:
         if isinstance(problem, Stopped) and problem.interrupted:
@@ -176,35 +186,15 @@ def check(
     """Find what is wrong or doubtful in a task, without simulating a single step.
 
     Reads it, binds every name to the body, prints when each sub-task is planned, and what would
-    go wrong: goals out of reach, too little time, collisions on the way, and more.
+    go wrong: goals out of reach, too little time, collisions on the way, and more. For another
+    body than the task's own it says of each sub-task whether that body can do it.
     Ends with 2 if the task makes no sense, 1 if there is an error, 0 if at most warnings.
     """
-    from adonis.linting import findings_json, print_findings, print_plan
-    from sim import BodyError
-    from specs import SpecError, bind_task, find_body, lint_task, load_task, refusal
+    from adonis.linting import check_task
 
-    kinds = classes(primitives)
     if explain and not as_json:
         print_explanation(task)
-    try:
-        spec, document = load_task(task, primitives=kinds)
-        on = find_body(whose(spec, body))
-        bound = bind_task(fit(spec, on, document, tempo), on, document)
-    except (BodyError, SpecError) as problem:
-        if as_json and isinstance(problem, SpecError):
-            typer.echo(findings_json([refusal(problem)]))
-            sys.exit(BAD_INPUT)
-        refuse(problem)
-    found = lint_task(bound, document)
-    if as_json:
-        typer.echo(findings_json(found, spec.task, on.map.name))
-    else:
-        from rich.console import Console
-
-        console = Console()
-        print_plan(console, bound)
-        print_findings(console, found)
-    raise typer.Exit(FAILED if any(f.severity == "error" for f in found) else 0)
+    raise typer.Exit(check_task(task, body, tempo, classes(primitives), as_json=as_json))
 
 
 @app.command()

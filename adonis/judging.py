@@ -30,7 +30,7 @@ from primitives import (
 )
 from primitives.parameters import settling
 from sim import DIRECTIONS, BodyMap, Limb, Recording, Replay, Span
-from specs import SubTask, TaskGraph, TaskSpec, build_graph, task_from_text
+from specs import Fitness, SubTask, TaskGraph, TaskSpec, build_graph, task_from_text
 from specs.tolerances import ANGLE, PALM_ANGLE, PENETRATION, TOUCH_AT_END, TOUCH_BEFORE_NEXT, size
 
 FloatArray = NDArray[np.float64]
@@ -50,7 +50,11 @@ UPRIGHT = 5.0  # joints that no sub-task moves [deg]
 
 
 def judge(
-    recording: Recording, spec: TaskSpec | None = None, replay: Replay | None = None
+    recording: Recording,
+    spec: TaskSpec | None = None,
+    replay: Replay | None = None,
+    *,
+    fitness: Sequence[Fitness] = (),
 ) -> Judgement:
     """Measure a recording against a task.
 
@@ -59,7 +63,9 @@ def judge(
         spec: the task; default: the one that the recording says it is of, which may then use
             only primitives that are installed.
         replay: of the recording, if there is one already.
+        fitness: what the body can do of the task, if it was done as far as that.
     """
+    short = {each.subtask: each for each in fitness if each.verdict != "reachable"}
     task = task_from_text(str(recording.about["task"]))[0] if spec is None else spec
     names, graph = BodyMap.model_validate(recording.about["body_map"]), build_graph(task)
     measuring = _Measuring(recording, names, replay or Replay(recording))
@@ -71,7 +77,7 @@ def judge(
         measured = [
             measuring.subtask(subtask, each, graph) for each in rounds if _had_a_goal(subtask, each)
         ]
-        verdicts.append(Verdict(subtask, span, _worst_of(measured)))
+        verdicts.append(Verdict(subtask, span, _worst_of(measured), short.get(subtask.name)))
     return Judgement(tuple(verdicts), tuple(measuring.checks(graph, spans)), recording.complete)
 
 
@@ -231,8 +237,8 @@ class _Measuring:
             joint: float(np.abs(np.rad2deg(self.replay.angle(joint)[window]) - angle).max())
             for joint, angle in asked.items()
         }
-        worst = max(off, key=off.__getitem__)
-        return Measure("joint angles", off[worst], ANGLE, "deg", worst)
+        worst = max(off, key=off.__getitem__, default="")
+        return Measure("joint angles", off.get(worst, 0.0), ANGLE, "deg", worst)
 
     def _rhythm(
         self, does: Oscillate, start: float, end: float, names: Iterable[str]

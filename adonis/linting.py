@@ -1,4 +1,4 @@
-"""What `adonis check` says: the plan of a task, and the findings about it."""
+"""What `adonis check` says: the plan of a task, what a body can do of it, and the findings."""
 
 import json
 from collections.abc import Sequence
@@ -8,9 +8,69 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from specs import BoundTask, Finding
+from adonis.arguments import BAD_INPUT, FAILED, fit, refuse, whose
+from adonis.fitness import print_fitness
+from primitives import Primitive
+from sim import BodyError
+from specs import (
+    BestEffort,
+    BoundTask,
+    Finding,
+    Fitness,
+    SpecError,
+    bind_task,
+    find_body,
+    lint_task,
+    load_task,
+    refusal,
+)
 
 COLORS = {"error": "red", "warning": "yellow", "note": "cyan"}
+
+
+def check_task(
+    task: str,
+    body: str | None,
+    tempo: float | None,
+    kinds: Sequence[type[Primitive]],
+    *,
+    as_json: bool,
+) -> int:
+    """Look at a task and say what would go wrong; a task that makes no sense ends the program.
+
+    Args:
+        task: of the library, or a file.
+        body: that is to do it; default: the task's own.
+        tempo: instead of the task's own [beats/min].
+        kinds: primitives of the user's own.
+        as_json: print the findings for tools.
+
+    Returns:
+        The exit code: 1 if there is an error, or something that the body cannot do; else 0.
+    """
+    try:
+        spec, document = load_task(task, primitives=kinds)
+        on = find_body(whose(spec, body))
+        another = on.map.name != whose(spec, None)
+        fit_spec = fit(spec, on, document, tempo)
+        effort = BestEffort.of(fit_spec, on, document) if another else None
+        bound = bind_task(effort.tried, on) if effort else bind_task(fit_spec, on, document)
+    except (BodyError, SpecError) as problem:
+        if as_json and isinstance(problem, SpecError):
+            print(findings_json([refusal(problem)]))
+            return BAD_INPUT
+        refuse(problem)
+    found, fitness = lint_task(bound, document), effort.fitness if effort else ()
+    if as_json:
+        print(findings_json(found, spec.task, on.map.name, fitness))
+    else:
+        console = Console()
+        print_plan(console, bound)
+        if fitness:
+            print_fitness(console, spec, on.map.name, fitness)
+        print_findings(console, found)
+    able = all(fit.verdict == "reachable" for fit in fitness)
+    return 0 if able and all(f.severity != "error" for f in found) else FAILED
 
 
 def print_plan(console: Console, bound: BoundTask) -> None:
@@ -59,9 +119,14 @@ def print_findings(console: Console, findings: Sequence[Finding]) -> None:
 
 
 def findings_json(
-    findings: Sequence[Finding], task: str | None = None, body: str | None = None
+    findings: Sequence[Finding],
+    task: str | None = None,
+    body: str | None = None,
+    fitness: Sequence[Fitness] = (),
 ) -> str:
     """The findings for tools."""
     whole: dict[str, Any] = {"task": task, "body": body}
     whole["findings"] = [finding.as_dict() for finding in findings]
+    if fitness:
+        whole["fitness"] = [fit.as_dict() for fit in fitness]
     return json.dumps(whole, indent=2, ensure_ascii=False)

@@ -45,6 +45,12 @@ MorphOption = Annotated[
         "--morph", metavar="NAME", help="Become this person meanwhile, who is there in the end."
     ),
 ]
+BestEffortOption = Annotated[
+    bool,
+    typer.Option(
+        "--best-effort", help="Where the body cannot do as it is told, do the nearest it can."
+    ),
+]
 AfreshOption = Annotated[
     bool, typer.Option("--afresh", help="Look for ways again, even if they are known from before.")
 ]

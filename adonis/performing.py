@@ -25,7 +25,7 @@ from adonis.reporting import Results, prepare_folder, remove_folders, write_resu
 from adonis.showing import print_comparison
 from primitives import Primitive
 from sim import Body, Recording, unknown
-from specs import BoundTask, bind_task
+from specs import BestEffort, BoundTask, bind_task
 
 FEWEST_ROWS = 2  # of a recording that is worth keeping: fewer are no movement
 
@@ -40,6 +40,7 @@ def perform(
     video: bool,
     events: Sequence[tuple[float, str]] = (),
     becoming: Sequence[tuple[float, BoundTask]] = (),
+    effort: BestEffort | None = None,
 ) -> tuple[Results, Stopped | None]:
     """Do a task and write its results, with a bar that says how far it is.
 
@@ -52,6 +53,7 @@ def perform(
         video: whether to render an MP4 as well.
         events: see `run_task`.
         becoming: see `run_task`.
+        effort: what was asked for, if the task is only as far as the body can do that.
 
     Returns:
         The results, and why the run broke off if it did.
@@ -86,9 +88,11 @@ def perform(
                 if len(problem.recordings[0].time) < FEWEST_ROWS:
                     raise
                 stopped, recordings = problem, problem.recordings
+            asked = bound.spec if effort is None else effort.to_judge(bound.spec)
             results = write_results(
-                recordings[0], bound.spec, folder, video=video and not stopped, progress=writing
-            )
+                recordings[0], asked, folder, fitness=effort.fitness if effort else (),
+                video=video and not stopped, progress=writing,
+            )  # fmt: skip
             part.unlink(missing_ok=True)
     finally:
         if not recordings:

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +13,7 @@ import numpy as np
 from adonis.attribution import Attribution, attribute
 from adonis.attribution_figure import plot_attribution
 from adonis.errors import OutputError
+from adonis.fitness import notes
 from adonis.judging import judge, torque_steps
 from adonis.plotting import plot_hand_speed, plot_torque
 from adonis.timeline import timeline
@@ -30,7 +31,7 @@ from sim import (
     render_filmstrip,
     render_video,
 )
-from specs import TaskSpec, build_graph
+from specs import Fitness, TaskSpec, build_graph
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,7 @@ def write_results(
     spec: TaskSpec,
     folder: Path,
     *,
+    fitness: Sequence[Fitness] = (),
     video: bool = False,
     progress: Callable[[str, float], None] | None = None,
 ) -> Results:
@@ -103,8 +105,9 @@ def write_results(
 
     Args:
         recording: what happened.
-        spec: the task as it ran.
+        spec: the task that was asked for: as it ran, unless the body can only do part of it.
         folder: where to; it exists.
+        fitness: what the body can do of the task, if it was done as far as that.
         video: whether to render an MP4 as well.
         progress: told what is being written and how far it is.
 
@@ -127,8 +130,8 @@ def write_results(
     write_text(files["model"], recording.model_xml)
     write_text(files["task"], str(recording.about["task"]))
     tell("judging")
-    judgement = judge(recording, spec)
     replay = Replay(recording)
+    judgement = judge(recording, spec, replay, fitness=fitness)
     found = attribute(recording, replay)
     report = report_of(recording, spec, judgement, replay, found)
     write_text(files["report"], json.dumps(report, indent=2, ensure_ascii=False) + "\n")
@@ -143,7 +146,7 @@ def write_results(
     if found.primitives:
         files["attribution"] = folder / "attribution.png"
         plot_attribution(recording, replay, names, found, files["attribution"])
-    notices = list(found.warnings)
+    notices = [*notes(fitness), *found.warnings]
     if (became := report["morph"]) is not None:
         notices.append(
             f"it became {became['to']} in {became['bodies']} bodies; at each step kinetic energy"

@@ -8,7 +8,7 @@ import numpy as np
 
 from primitives import LookAt, Oscillate, Primitive
 from sim import Span
-from specs import Background, SubTask
+from specs import Background, Fitness, SubTask
 
 HEAD = "head"  # the joints that turn it, in a list of what a sub-task moves
 
@@ -47,6 +47,7 @@ class Verdict:
     subtask: SubTask
     span: Span
     measures: tuple[Measure, ...]
+    fitness: Fitness | None = None  # of a task that is done as far as the body can
 
     @property
     def success(self) -> bool:
@@ -56,7 +57,8 @@ class Verdict:
         """
         gave_up = self.span.outcome == "timed out" and self.subtask.otherwise is not None
         foreseen = gave_up or self.span.outcome in ("done", "ended", "skipped")
-        return foreseen and all(m.success for m in self.measures)
+        done = self.fitness is None or self.fitness.verdict != "impossible"
+        return done and foreseen and all(m.success for m in self.measures)
 
     @property
     def worst(self) -> Measure | None:
@@ -81,6 +83,7 @@ class Verdict:
             "unit": worst.unit if worst else None,
             "success": self.success,
             "measures": [m.as_dict() for m in self.measures],
+            "best_effort": None if self.fitness is None else self.fitness.as_dict(),
         }
 
 

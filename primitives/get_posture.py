@@ -7,6 +7,7 @@ field of section 6. A posture of an arm can also be left to a Cartesian controll
 brings the palm where the posture has it, turned as the posture turns it.
 """
 
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Annotated, Literal, Self
 
@@ -164,7 +165,7 @@ def said_angles(
     arm = None if limb is None else body.arm(limb)
     if arm is not None and about_arm:
         if about_arm.keys() - {"elbow"}:
-            angles = pose(body, arm, _arm_words(body, about_arm))
+            angles = pose(body, arm, arm_words(body, about_arm))
         else:
             angles = body.angles({arm.limb.elbow: _elbow(about_arm["elbow"])})
         if "elbow" in about_arm:
@@ -210,7 +211,17 @@ def _elbow(value: float | Direction) -> float:
     return float(value)
 
 
-def _arm_words(body: Body, words: dict[str, float | Direction]) -> ArmWords:
+def arm_words(body: Body, words: Mapping[str, float | Direction]) -> ArmWords:
+    """What is said of an arm as a whole, in the body's terms.
+
+    Args:
+        body: whose directions they are.
+        words: what is said of each part; what is not about the arm as a whole is left aside.
+
+    Raises:
+        BodyError, PrimitiveError: there is no such direction, or no such angle.
+    """
+
     def direction(part: str) -> FloatArray | None:
         value = words.get(part)
         if value is None:

@@ -2,6 +2,7 @@
 
 from sim.anthropometry import FEMALE, MALE, Anthropometry
 from sim.arm7 import arm7
+from sim.blaming import joint_to_blame
 from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
 from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
@@ -13,6 +14,7 @@ from sim.errors import (
     NoDisplay,
     RecordingError,
     SimError,
+    Unposable,
     unknown,
 )
 from sim.extending import extended, halfway, renamed
@@ -34,7 +36,7 @@ from sim.people import person
 from sim.people_by_name import person_of
 from sim.planar_arm import planar_arm
 from sim.portrait import render_portrait
-from sim.posing import ArmWords, pose
+from sim.posing import ArmWords, off_words, pose, posed
 from sim.reaching import PalmGoal, reach
 from sim.recording import Recorder, Recording, Span
 from sim.rendering import VIEWS, Frame, render_filmstrip, render_video
@@ -98,6 +100,7 @@ __all__ = [
     "Spring",
     "Springs",
     "State",
+    "Unposable",
     "Way",
     "World",
     "adonis",
@@ -119,6 +122,7 @@ __all__ = [
     "inertias",
     "inverse_dynamics",
     "joint_inertia",
+    "joint_to_blame",
     "likeness",
     "load_body",
     "mass_matrix",
@@ -127,6 +131,7 @@ __all__ = [
     "minimum_jerk_profile",
     "moved",
     "moving_dofs",
+    "off_words",
     "origin",
     "person",
     "person_named",
@@ -134,6 +139,7 @@ __all__ = [
     "places_of",
     "planar_arm",
     "pose",
+    "posed",
     "propose",
     "reach",
     "read_model",

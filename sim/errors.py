@@ -2,7 +2,8 @@
 
 SimError
 ├── BodyError       a model or body map that does not fit, a name that does not exist
-│   └── BeyondRange an angle that a joint does not reach
+│   ├── BeyondRange an angle that a joint does not reach
+│   └── Unposable   words of an arm that no posture fits
 ├── Diverged        the simulation left the finite numbers
 ├── RecordingError  a recording that cannot be read or written
 └── NoDisplay       this machine has no OpenGL backend to render with
@@ -10,6 +11,9 @@ SimError
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 class SimError(Exception):
@@ -22,6 +26,20 @@ class BodyError(SimError):
 
 class BeyondRange(BodyError):
     """An angle beyond the end of a joint's range."""
+
+
+class Unposable(BodyError):
+    """An arm that cannot be held as is said.
+
+    Args:
+        message: the same in words.
+        nearest: joint angles (nv,) [rad] that come nearest, NaN for all other joints.
+        off: by how much they are off [rad].
+    """
+
+    def __init__(self, message: str, nearest: NDArray[np.float64], off: float) -> None:
+        super().__init__(message)
+        self.nearest, self.off = nearest, off
 
 
 class Diverged(SimError):

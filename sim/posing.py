@@ -12,7 +12,7 @@ from mujoco import minimize
 from numpy.typing import NDArray
 
 from sim.body import Arm, Body
-from sim.errors import BodyError
+from sim.errors import Unposable
 
 FloatArray = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def pose(body: Body, arm: Arm, words: ArmWords) -> FloatArray:
     """Joint angles (nv,) [rad] that hold `arm` as the words say; NaN for all other joints.
 
     Raises:
-        BodyError: no posture within the joint limits comes within 3 degrees of the words.
+        Unposable: no posture within the joint limits comes within 3 degrees of the words.
     """
     model, data = body.model, mujoco.MjData(body.model)
     data.qpos[:] = body.home
@@ -80,13 +80,35 @@ def pose(body: Body, arm: Arm, words: ArmWords) -> FloatArray:
         if cost < least - 1e-9:
             best, least = solution.ravel(), cost
     residual(best.reshape(-1, 1))
-    chords = [float(np.linalg.norm(m)) for m in misses()]
-    worst = 2.0 * np.arcsin(min(max(chords, default=0.0) / 2.0, 1.0))
-    if worst > TOLERANCE:
-        raise BodyError(
-            f"{arm.name} cannot be held so: {np.rad2deg(worst):.0f} degrees off at best,"
-            " within the joint limits"
-        )
+    worst = off_words(body, arm, data, words)
     angles = np.full(body.nv, np.nan)
     angles[arm.dofs] = best
+    if worst > TOLERANCE:
+        raise Unposable(
+            f"{arm.name} cannot be held so: {np.rad2deg(worst):.0f} degrees off at best,"
+            " within the joint limits",
+            angles,
+            worst,
+        )
     return angles
+
+
+def posed(body: Body, angles: FloatArray) -> mujoco.MjData:
+    """The kinematics of a body whose joints are at some angles (nv,) [rad]."""
+    data = mujoco.MjData(body.model)
+    data.qpos[:] = body.home
+    data.qpos[body.qpos_of_dof] = angles
+    mujoco.mj_kinematics(body.model, data)
+    return data
+
+
+def off_words(body: Body, arm: Arm, data: mujoco.MjData, words: ArmWords) -> float:
+    """By how much an arm is off from what is said of it, in the kinematics of `data` [rad]."""
+    held = measure(body, arm, data)
+    chords = [0.0]
+    for wanted, now in ((words.direction, held.direction), (words.palm, held.palm)):
+        if wanted is not None and now is not None:
+            chords.append(float(np.linalg.norm(now - wanted)))
+    turned = 2.0 * np.arcsin(min(max(chords) / 2.0, 1.0))
+    bent = 0.0 if words.elbow is None or held.elbow is None else abs(held.elbow - words.elbow)
+    return float(max(turned, bent))

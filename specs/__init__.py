@@ -1,6 +1,7 @@
 """Floor 3: the task language, from YAML to a bound task graph."""
 
 from specs.available import available_primitives, primitives_in
+from specs.best_effort import BestEffort
 from specs.binding import BoundTask, bind_task
 from specs.body_loading import find_body, is_body_file, read_body_file, source_of
 from specs.body_writing import body_text
@@ -10,6 +11,7 @@ from specs.controllers import load_variant, with_controller, with_parameter
 from specs.editing import GONE, places_of_steps, set_values, write_back
 from specs.errors import Position, SpecError
 from specs.firmness import Firmness
+from specs.fitness import Fitness, fitness_of
 from specs.fitting import Fit, fit_of, fitted, refitted, resized, slowed
 from specs.graph import TaskGraph, build_graph
 from specs.graph_writing import to_dot, to_graphml, to_json, to_mermaid
@@ -28,12 +30,14 @@ __all__ = [
     "KINDS",
     "SHIPPED_SCHEMA",
     "Background",
+    "BestEffort",
     "BoundTask",
     "Condition",
     "Document",
     "Finding",
     "Firmness",
     "Fit",
+    "Fitness",
     "Group",
     "Join",
     "Position",
@@ -50,6 +54,7 @@ __all__ = [
     "find_body",
     "find_task",
     "fit_of",
+    "fitness_of",
     "fitted",
     "is_body_file",
     "library",
