@@ -149,8 +149,8 @@ def perform_rehearsal(
         def trying(share: float, subtask: str) -> None:
             bar.update(shown, completed=share, description=f"rehearsing: {subtask}")
 
-        spec, found = rehearsed(bound.spec, bound.body, seed=seed, afresh=afresh, progress=trying)
-    return bind_task(spec, bound.body), found
+        spec, found = rehearsed(bound.spec, bound.on, seed=seed, afresh=afresh, progress=trying)
+    return bind_task(spec, bound.on), found
 
 
 def perform_comparison(

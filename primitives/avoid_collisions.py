@@ -34,7 +34,7 @@ class AvoidCollisions(Primitive):
 
     def bind(self, body: Body, duration: float) -> "GuardField":
         """See `Primitive.bind`."""
-        names = body.map.keep_apart if self.pairs is None else self.pairs
+        names = body.pushed_apart if self.pairs is None else self.pairs
         if not names:
             raise PrimitiveError(
                 f"the body map of {body.map.name!r} keeps no links apart; name pairs of links"

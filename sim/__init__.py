@@ -5,7 +5,8 @@ from sim.arm7 import arm7
 from sim.blaming import joint_to_blame
 from sim.bodies import BODIES, PEOPLE, adonis, load_body
 from sim.body import DIRECTIONS, Arm, Body, Capsules, Spot
-from sim.body_map import BodyMap, Guard, Head, Limb, Servo, Spring
+from sim.body_map import BodyMap, Carry, Guard, Head, Limb, Servo, Spring
+from sim.carrying import Carried, places_at, standing
 from sim.clearance import clearance, clearances, depth_inside
 from sim.errors import (
     BeyondRange,
@@ -23,6 +24,7 @@ from sim.foreign.building import build_body, hanging_places
 from sim.foreign.proposal import Proposal, body_name, propose
 from sim.foreign.reading import Source, read_model
 from sim.foreseeing import Foreseen, Foresight, moved
+from sim.furnishing import Shape, Thing, furnished, overlap
 from sim.gains import Gains, firmer, mean_hand, mean_joint, scaled_gains, spring_laws
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.hand_springs import HandPath, HandSprings
@@ -64,6 +66,8 @@ __all__ = [
     "BodyFile",
     "BodyMap",
     "Capsules",
+    "Carried",
+    "Carry",
     "Closest",
     "Detour",
     "Diverged",
@@ -93,6 +97,7 @@ __all__ = [
     "RecordingError",
     "Replay",
     "Servo",
+    "Shape",
     "SimError",
     "Source",
     "Span",
@@ -100,6 +105,7 @@ __all__ = [
     "Spring",
     "Springs",
     "State",
+    "Thing",
     "Unposable",
     "Way",
     "World",
@@ -117,6 +123,7 @@ __all__ = [
     "find_gaze",
     "find_way",
     "firmer",
+    "furnished",
     "halfway",
     "hanging_places",
     "inertias",
@@ -133,9 +140,11 @@ __all__ = [
     "moving_dofs",
     "off_words",
     "origin",
+    "overlap",
     "person",
     "person_named",
     "person_of",
+    "places_at",
     "places_of",
     "planar_arm",
     "pose",
@@ -150,6 +159,7 @@ __all__ = [
     "scaled",
     "scaled_gains",
     "site_paths",
+    "standing",
     "spring_laws",
     "straight_motion",
     "straight_way",

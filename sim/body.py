@@ -21,6 +21,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 _ONE_DOF = (mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value)
+_ROUND = (mujoco.mjtGeom.mjGEOM_CAPSULE.value, mujoco.mjtGeom.mjGEOM_SPHERE.value)
 
 ROUNDING = 1e-5  # [rad] of the ranges of joints: the model's XML has six digits
 # Directions in the frame of the body: X forward, Y left, Z up.
@@ -345,6 +346,24 @@ class Body:
         return data
 
     @cached_property
+    def objects(self) -> IntArray:
+        """The links that no joint moves but somebody may carry, (m,), as MuJoCo counts them."""
+        found: IntArray = np.flatnonzero(self.model.body_mocapid >= 0).astype(np.int32)
+        return found
+
+    @cached_property
+    def pushed_apart(self) -> tuple[tuple[str, str], ...]:
+        """Pairs of links that must not touch, but for objects that distances are not kept from.
+
+        These are boxes and cylinders, which contacts alone keep out of the body.
+        """
+        edged = {
+            name for name in self.map.objects
+            if any(self.model.geom_type[g] not in _ROUND for g in self.colliding(self.link(name)))
+        }  # fmt: skip
+        return tuple(pair for pair in self.map.keep_apart if edged.isdisjoint(pair))
+
+    @cached_property
     def ancestors(self) -> NDArray[np.bool_]:
         """Whether a degree of freedom moves a link, (nbody, nv)."""
         moves = np.zeros((self.model.nbody, self.nv), dtype=bool)
@@ -433,6 +452,8 @@ class Body:
         for pair in self.map.keep_apart:
             for name in pair:
                 self.link(name)
+        for name in self.map.objects:
+            self.link(name)
 
 
 def _matrix(quat: FloatArray) -> FloatArray:

@@ -71,6 +71,14 @@ class Head(_Frozen):
     joints: Annotated[tuple[str, ...], Field(min_length=1)]  # joints or joint groups
 
 
+class Carry(_Frozen):
+    """A movement of an object of the scene, which stands still before and after."""
+
+    start: NonNegative  # [s]
+    lasts: Positive  # [s]
+    to: tuple[float, float, float]  # where its middle then is, in the world [m]
+
+
 class BodyMap(_Frozen):
     """The names a task may use, and what they mean in the model."""
 
@@ -85,5 +93,6 @@ class BodyMap(_Frozen):
     speed_limits: dict[str, Positive] = {}  # joint -> its largest speed [deg/s]; else no limit
     keep_apart: tuple[tuple[str, str], ...] = ()  # pairs of links that must not touch
     guard: Guard = Guard()
+    objects: dict[str, tuple[Carry, ...]] = {}  # links that are of the scene: how they are carried
     upright: tuple[str, ...] = ()  # joint groups that stay at home unless a task moves them
     time_scale: Positive = 1.0  # how long its movements last, against those of Adonis

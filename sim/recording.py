@@ -30,7 +30,9 @@ UNITS = {
     "qvel": "m/s, rad/s",
     "torque": "N m",
     "contribution": "N m",
+    "objects": "m",
 }
+ARRAYS = 7  # of a chunk: those above, and which primitive each contribution is of
 ROWS = 250  # of a chunk: what a killed run may lose
 
 
@@ -69,6 +71,8 @@ class Recording:
     rounds: tuple[Span, ...] = ()  # of sub-tasks that were done over, before the last of each
     later_models: tuple[tuple[float, str], ...] = ()  # that the body became, and from when [s]
     complete: bool = True  # False when it was read from the part that a killed run left
+    # (T, objects, 3) where objects of the scene were [m]; see `Body.objects`
+    objects: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 3)))
 
     @cached_property
     def model(self) -> mujoco.MjModel:
@@ -159,7 +163,7 @@ class Recording:
             )
             about = json.loads(str(f["about"]))
             return cls(
-                **{key: f[key] for key in UNITS},
+                **{key: f[key] for key in UNITS if key in f},  # once there were no objects
                 names=tuple(str(n) for n in f["names"]),
                 spans=spans,
                 rounds=rounds,
@@ -222,7 +226,9 @@ class Recorder:
             np.zeros((ROWS, n, nv)),
             np.zeros((ROWS, n, channels, nv), dtype=np.float32),
             np.full((ROWS, n, channels), -1, dtype=np.int32),
+            np.zeros((ROWS, n, len(body.objects), 3)),
         )
+        self._objects = body.objects
         self._full: list[tuple[NDArray[Any], ...]] = []
         self._row = 0
         self._names, self._model_xml, self._about = names, body.xml, dict(about or {})
@@ -252,9 +258,11 @@ class Recorder:
             contribution: (n, channels, nv) [N m]; None if they are not kept
             channels: (n, channels) which of `names` each is, -1 for nobody.
         """
-        time, qpos, qvel, _, asked, who = self._chunk
+        time, qpos, qvel, _, asked, who, objects = self._chunk
         k = self._row
         time[k], qpos[k], qvel[k] = state.time, state.qpos, state.qvel
+        if len(self._objects):
+            objects[k] = state.xpos[:, self._objects]
         if self._names:
             asked[k], who[k] = contribution, channels
 
@@ -311,7 +319,7 @@ def _recording(
     about: Mapping[str, Any],
     complete: bool,
 ) -> Recording:
-    time, qpos, qvel, torque, asked, who = (array[:, simulation].copy() for array in rows)
+    time, qpos, qvel, torque, asked, who, objects = (row[:, simulation].copy() for row in rows)
     return Recording(
         time=time,
         qpos=qpos,
@@ -323,6 +331,7 @@ def _recording(
         model_xml=model_xml,
         about=about,
         complete=complete,
+        objects=objects,
     )
 
 
@@ -330,7 +339,7 @@ def _chunks(file: BinaryIO) -> Any:
     """The whole chunks of a part; the last may have been cut off."""
     while True:
         chunk = []
-        for _ in range(6):
+        for _ in range(ARRAYS):
             try:
                 chunk.append(np.load(file))
             except (EOFError, ValueError, OSError):

@@ -115,19 +115,22 @@ class Camera:
                 getattr(self.model, part)[:] = getattr(self._models[which], part)
             self._shown = which
 
-    def _set(self, row: int) -> None:
+    def _pose(self, row: int) -> None:
         self._become(row)
         self._data.qpos[:] = self.recording.qpos[row]
+        if self.model.nmocap:
+            self._data.mocap_pos[:] = self.recording.objects[row]
         mujoco.mj_kinematics(self.model, self._data)
+
+    def _set(self, row: int) -> None:
+        self._pose(row)
         mujoco.mj_camlight(self.model, self._data)
         mujoco.mj_comPos(self.model, self._data)
 
     def _draw_trail(self, site: str, first: int, last: int, rgba: tuple[float, ...]) -> None:
         points = []
         for row in range(first, last + 1, 8):
-            self._become(row)
-            self._data.qpos[:] = self.recording.qpos[row]
-            mujoco.mj_kinematics(self.model, self._data)
+            self._pose(row)
             points.append(self._data.site(site).xpos.copy())
         scene = self._renderer.scene
         for start, end in pairwise(points):

@@ -254,13 +254,19 @@ class Replay:
 
     def _set(self, k: int) -> None:
         self._choose(k)
-        self._data.qpos[:] = self.recording.qpos[k]
+        self._place(k)
         mujoco.mj_kinematics(self._now, self._data)
+
+    def _place(self, k: int) -> None:
+        self._data.qpos[:] = self.recording.qpos[k]
+        if self.model.nmocap:
+            self._data.mocap_pos[:] = self.recording.objects[k]
 
     def _rest(self, k: int) -> None:
         """Row k, as if nothing moved."""
         self._choose(k)
-        self._data.qpos[:], self._data.qvel[:] = self.recording.qpos[k], 0.0
+        self._place(k)
+        self._data.qvel[:] = 0.0
         mujoco.mj_fwdPosition(self._now, self._data)
         mujoco.mj_fwdVelocity(self._now, self._data)
 

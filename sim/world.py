@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.body import Body
-from sim.errors import BodyError, Diverged
+from sim.carrying import Carried, Objects
+from sim.errors import BodyError, Diverged, unknown
 from sim.state import State, read_only
 
 FloatArray = NDArray[np.float64]
@@ -36,6 +37,7 @@ class Moment:
     qpos: FloatArray  # (nq,)
     qvel: FloatArray  # (nv,)
     warmstart: FloatArray  # (nv,) where the solver of the contacts begins
+    objects: Carried | None = None  # of the scene
 
 
 class BareWorld:
@@ -99,6 +101,11 @@ class World:
         live = self._time, self._qpos, self._qvel
         seen = [np.ascontiguousarray(array) for array in live]
         self._copies = [(a, b) for a, b in zip(seen, live, strict=True) if a is not b]
+        self._objects = Objects(body, batch) if len(body.objects) else None
+        cvel = batch.bind("cvel")
+        self._cvel = np.array(cvel) if self._objects is not None else cvel
+        if self._objects is not None:
+            self._copies.append((self._cvel, cvel))
         time, qpos, qvel = (read_only(array.view()) for array in seen)
         self.state = State(
             time=time,
@@ -107,7 +114,7 @@ class World:
             xpos=read_only(batch.bind("xpos").view()),
             xmat=read_only(batch.bind("xmat").view()),
             cdof=read_only(batch.bind("cdof").view()),
-            cvel=read_only(batch.bind("cvel").view()),
+            cvel=read_only(self._cvel.view()),
             subtree_com=read_only(batch.bind("subtree_com").view()),
             qfrc_bias=read_only(batch.bind("qfrc_bias").view()),
             M=read_only(batch.bind("M").view()) if inertia else None,
@@ -124,6 +131,8 @@ class World:
         self._batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self._qpos[:] = self.body.home if qpos is None else qpos
         self._qvel[:] = 0.0 if qvel is None else qvel
+        if self._objects is not None:
+            self._objects.rest()
         self._batch.forward(stage=_KINEMATICS)
         self._look()
 
@@ -131,13 +140,16 @@ class World:
         """One of the simulations as it is now."""
         state, warmstart = self.state.of_one(simulation), self._warmstart[simulation]
         return Moment(
-            float(state.time[0]), state.qpos[0].copy(), state.qvel[0].copy(), warmstart.copy()
-        )
+            float(state.time[0]), state.qpos[0].copy(), state.qvel[0].copy(), warmstart.copy(),
+            None if self._objects is None else self._objects.of(simulation),
+        )  # fmt: skip
 
     def go_back(self, moment: Moment) -> None:
         """Let all simulations go on from a moment of this world or of another of its body."""
         self._time[:], self._warmstart[:] = moment.time, moment.warmstart
         self._qpos[:], self._qvel[:] = moment.qpos, moment.qvel
+        if self._objects is not None and moment.objects is not None:
+            self._objects.put(moment.objects)
         self._batch.forward(stage=_KINEMATICS)
         self._look()
 
@@ -152,8 +164,30 @@ class World:
             self._ctrl[:] = torque[:, self._motors]
         if self._force is not None:
             self._push(self._force)
+        if self._objects is not None:
+            self._objects.go_on(float(self.state.time[0]))
         self._batch.step(stage=_KINEMATICS)
         self._look()
+
+    def carry(
+        self,
+        name: str,
+        place: FloatArray | tuple[float, float, float],
+        speed: FloatArray | tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Put an object of the scene somewhere; it is there after the next step, and stays.
+
+        Args:
+            name: of the object.
+            place: of its middle, (3,) or (n, 3) [m].
+            speed: with which it is carried on, (3,) or (n, 3) [m/s]; what follows it goes by that.
+
+        Raises:
+            BodyError: there is no such object, or its task carries it.
+        """
+        if self._objects is None:
+            raise BodyError(unknown("object of the scene", name, ()))
+        self._objects.carry(name, place, speed)
 
     @cached_property
     def torque(self) -> FloatArray:
@@ -190,6 +224,8 @@ class World:
         """
         for seen, live in self._copies:
             seen[:] = live
+        if self._objects is not None:
+            self._objects.show(self._cvel)
 
     def _push(self, force: FloatArray) -> None:
         force[:] = 0.0

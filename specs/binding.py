@@ -16,7 +16,7 @@ from primitives import (
     PrimitiveError,
     Relax,
 )
-from sim import BeyondRange, Body, BodyError
+from sim import BeyondRange, Body, BodyError, standing
 from specs.blame import told
 from specs.conditions import BoundCondition, Condition, bind_condition
 from specs.definitions import define
@@ -28,6 +28,7 @@ from specs.groups import check_groups, together
 from specs.ordering import Known, members, order_of
 from specs.quoting import quoted_place
 from specs.reading import Document, Path_
+from specs.scene import check_room, furnish
 from specs.task import Background, SubTask, TaskSpec, keys_of
 
 FIELD = ("claims", "unit", "begin", "torque", "error")  # the parts of a field
@@ -41,7 +42,8 @@ class BoundTask:
     `fields[k]` does the k-th sub-task of `graph.order`.
     """
 
-    body: Body  # with the landmarks and postures that the task defines, as firm as it says
+    on: Body  # the body as it was given
+    body: Body  # with the objects, landmarks and postures of the task, as firm as it says
     graph: TaskGraph
     background: tuple[Field, ...]
     fields: tuple[Field, ...]
@@ -53,6 +55,10 @@ class BoundTask:
     def spec(self) -> TaskSpec:
         """The task as written."""
         return self.graph.spec
+
+    def body_for(self, name: str) -> Body:
+        """The body beside the objects as they are planned to stand when a sub-task ends."""
+        return standing(self.body, self.graph.planned[name][1])
 
     @cached_property
     def grouped(self) -> frozenset[str]:
@@ -79,7 +85,7 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
     document = document or Document(None, "")
     spec = fitted(spec, body, document)
     graph = build_graph(spec, document)
-    body = firm(define(spec.landmarks, spec.postures, body, document), spec.gains)
+    on, body = body, firm(defined(graph, body, document), spec.gains)
     background = tuple(
         _bind(graph, b.does, 0.0, body, np.inf, document, ("background", i), b.name)
         for i, b in enumerate(spec.background)
@@ -90,7 +96,7 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
             graph,
             graph.subtasks[name].does,
             graph.planned[name][0],
-            body,
+            standing(body, graph.planned[name][1]),
             graph.lasts(name),
             document,
             places[name],
@@ -114,8 +120,20 @@ def bind_task(spec: TaskSpec, body: Body, document: Document | None = None) -> B
             raise document.error(str(problem), ("start",)) from None
         given = ~np.isnan(angles)
         start[body.qpos_of_dof[given]] = angles[given]
+    check_room(body, start, document)
     conditions, events = _conditions(spec, body, document)
-    return BoundTask(body, graph, background, fields, start, conditions, events)
+    return BoundTask(on, body, graph, background, fields, start, conditions, events)
+
+
+def defined(graph: TaskGraph, body: Body, document: Document) -> Body:
+    """The body with all that a task says of it and of the scene.
+
+    Raises:
+        SpecError: at what makes no sense on this body.
+    """
+    spec = graph.spec
+    beside = furnish(spec.scene, body, graph.timing.clock, document)
+    return define(spec.landmarks, spec.postures, beside, document)
 
 
 def _conditions(
@@ -228,7 +246,7 @@ def _check_limp(spec: TaskSpec, document: Document) -> None:
 def _check_safety(spec: TaskSpec, body: Body, document: Document) -> None:
     """The filter needs shapes whose distances it knows, and its name for itself."""
     try:
-        if body.map.keep_apart:
+        if body.pushed_apart:
             AvoidCollisions().bind(body, np.inf)
     except (BodyError, PrimitiveError) as problem:
         raise document.error(f"safety: {problem}", ("safety",)) from None

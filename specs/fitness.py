@@ -25,10 +25,10 @@ from sim import (
     off_words,
     places_of,
     posed,
+    standing,
 )
-from specs.binding import bind_task
+from specs.binding import bind_task, defined
 from specs.conditions import bind_condition
-from specs.definitions import define
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
 from specs.lint.nearest import nearest
@@ -73,11 +73,12 @@ def fitness_of(spec: TaskSpec, body: Body, document: Document | None = None) -> 
     """
     document = document or Document(None, "")
     graph = build_graph(spec, document)
-    body = define(spec.landmarks, spec.postures, body, document)
+    body = defined(graph, body, document)
     found = []
     for name in graph.order:
         try:
-            found.append(_fitness(graph, graph.subtasks[name], body))
+            beside = standing(body, graph.planned[name][1])
+            found.append(_fitness(graph, graph.subtasks[name], beside))
         except (BodyError, PrimitiveError) as problem:
             _check_elsewhere(spec, graph.subtasks[name], document)
             found.append(Fitness(name, "impossible", str(problem)))

@@ -10,6 +10,7 @@ from specs.definitions import Landmark, NamedPosture
 from specs.errors import SpecError
 from specs.firmness import Firmness
 from specs.groups import Group
+from specs.scene import SceneObject
 from specs.tempo import MOST_STEPS, Tempo, TempoStep
 
 NonNegative = Annotated[float, Field(ge=0, le=1e6)]
@@ -162,6 +163,7 @@ class TaskSpec(BaseModel):
     safety: Literal["none", "filter"] = "none"  # what comes after all torques are summed
     # whether ways of hands that it says nothing of are to be found first
     rehearse: bool = False
+    scene: dict[Name, SceneObject] = {}  # objects beside the body, in the metres of the world
     landmarks: dict[Name, Landmark] = {}  # of this task, beside the body's
     postures: dict[Name, NamedPosture] = {}  # of this task, beside the body's
     background: tuple[Background, ...] = ()  # what is on all the time

@@ -55,7 +55,7 @@ def hindered(
     """
     if recording is None:
         return replace(mark, comfortable=False, cost=mark.cost + MOST_HINDERED)
-    body, does = task.body, task.graph.subtasks[other].does
+    body, does = task.body_for(other), task.graph.subtasks[other].does
     assert isinstance(does, GoToPoint)
     end = next(s.end for s in recording.spans if s.name == subtask)
     posture = recording.qpos[recording.row(end)]
@@ -87,7 +87,7 @@ def grade(
     """
     if recording is None:
         return FAILED
-    body, miss = task.body, _miss(recording, task, subtask)
+    body, miss = task.body_for(subtask), _miss(recording, task, subtask)
     if not miss < FAR:
         return Grade(passes=False, comfortable=False, cost=MISSED * miss / FAR)
     replay = Replay(recording)

@@ -62,7 +62,9 @@ class Search:
         subtask = next(s for s in spec.subtasks if s.name == scene.subtask)
         assert isinstance(subtask.does, GoToPoint)
         self._does = subtask.does
-        self._outlook = outlook(bind_task(spec, body), subtask, alone=alone)
+        bound = bind_task(spec, body)
+        self._beside = bound.body_for(subtask.name)  # what the task says of it, and objects
+        self._outlook = outlook(bound, subtask, alone=alone)
         self._best, self._grade, self._tried = self._does, FAILED, 0
 
     def afresh(self) -> Rehearsed:
@@ -82,7 +84,7 @@ class Search:
         self._try([known.does])
         again, self._does = self._tried, said
         if known.does.via and not self._grade.comfortable:
-            near = near_way(known.does, said, self._body, self._scene.qpos)
+            near = near_way(known.does, said, self._beside, self._scene.qpos)
             self._narrow(*self._round(near, FIRST))
         elif not self._grade.passes:
             self._search()
@@ -91,7 +93,7 @@ class Search:
 
     def _search(self) -> None:
         """Try ways near the detours that kinematics proposes; go on with the most promising."""
-        body, arm = self._body, self._body.arm(self._does.limb)
+        body, arm = self._beside, self._beside.arm(self._does.limb)
         goal, start = self._does.palm_goal(body), self._scene.qpos
         detours = [find_way(body, start, arm, goal, counts=(count,)) for count in VIAS]
         families = [family(detour, self._does, body, start) for detour in detours]
@@ -117,7 +119,7 @@ class Search:
     def _round(self, one: Family, many: int) -> tuple[Family, FloatArray, FloatArray]:
         """Draw from a family: the numbers (many, size) of the ways, and their costs (many,)."""
         rows = one.draw(self._rng, many)
-        return one, rows, self._try([one.way(row, self._does, self._body) for row in rows])
+        return one, rows, self._try([one.way(row, self._does, self._beside) for row in rows])
 
     def _try(self, ways: Sequence[GoToPoint]) -> FloatArray:
         """Costs (k,) of ways, from a simulation of each; the best of all is kept."""

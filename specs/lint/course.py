@@ -44,10 +44,12 @@ def planned_moves(task: BoundTask) -> list[Move]:
         hold = max(0.0, next_claim[k] - end)
         subtask = graph.subtasks[name]
         here = graph.lasts(name), graph.fade(name), round(hold, 6)
-        key = repr(subtask.does), *here, posture.round(6).tobytes(), start == 0.0
+        beside = task.body_for(name)
+        objects = beside.model.body_pos[beside.objects].tobytes()
+        key = repr(subtask.does), *here, posture.round(6).tobytes(), start == 0.0, objects
         if key not in known:
             held = settling if start == 0.0 else np.full_like(settling, np.nan)
-            scene = Scene(body, posture.copy(), held, carried)
+            scene = Scene(beside, posture.copy(), held, carried)
             known[key] = move_of(scene, name, subtask.does, field, *here)
         move = known[key]
         if move is not None:

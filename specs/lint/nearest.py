@@ -29,13 +29,13 @@ Best = tuple[float, FloatArray | None]  # miss [m], and the nearest place (3,), 
 AT_EASE = 1.0  # [s] in which a palm that is held at its goal comes to rest
 
 
-def best(task: BoundTask, does: GoToPoint, away: set[int], pressed: str) -> Best:
+def best(body: Body, does: GoToPoint, away: set[int], pressed: str) -> Best:
     """By how much a palm misses its goal at best, and where it then is, seen from the trunk.
 
     A link that is `pressed`, the goal being a little inside it, may be touched.
     Where the goal moves with joints that the task moves away from home, nobody can tell: 0.
     """
-    body, arm = task.body, task.body.arm(does.limb)
+    arm = body.arm(does.limb)
     goal = does.hand_goal(body, arm).places[-1]
     between = moving_dofs(body, goal.link) ^ moving_dofs(body, arm.root)
     if between & set(arm.dofs.tolist()):

@@ -16,20 +16,22 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
 
     A movement that is foreseen to come to the goal needs no further search.
     """
-    body, found = task.body, []
-    away, allowed = moved_from_home(task), TOUCH_BEFORE_NEXT * size_of(body)
+    found = []
+    away, allowed = moved_from_home(task), TOUCH_BEFORE_NEXT * size_of(task.body)
     arrive = {move.name for move in moves if move.short(move.foreseen) <= allowed}
     known: dict[object, tuple[float, str, Best]] = {}
     for name in task.graph.order:
         does = task.graph.subtasks[name].does
         if not isinstance(does, GoToPoint) or name in arrive:
             continue
+        body = task.body_for(name)
         arm = body.arm(does.limb)
         goal = does.hand_goal(body, arm).places[-1]
-        key = arm.name, repr(does.to), does.palm
+        objects = body.model.body_pos[body.objects].tobytes()
+        key = arm.name, repr(does.to), does.palm, objects
         if key not in known:
             sunk, link = _inside(body, arm, goal, away)
-            fits = (0.0, None) if sunk > allowed else best(task, does, away, link)
+            fits = (0.0, None) if sunk > allowed else best(body, does, away, link)
             known[key] = sunk, link, fits
         sunk, link, (miss, nearest) = known[key]
         if sunk > allowed:
