@@ -1,6 +1,7 @@
 """From what stands on the command line to tasks, paths and classes; mistakes end the program."""
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -13,12 +14,14 @@ if TYPE_CHECKING:
 FAILED, BAD_INPUT = 1, 2
 
 
-def load(task: str, primitives: list[str] | None) -> "tuple[TaskSpec, Document]":
-    """Read a task; every mistake ends here, with code 2."""
+def load(
+    task: str, primitives: list[str] | None, changes: Sequence[str] = ()
+) -> "tuple[TaskSpec, Document]":
+    """Read a task, with values set on the command line; every mistake ends here, with code 2."""
     from specs import SpecError, load_task
 
     try:
-        return load_task(task, primitives=classes(primitives))
+        return load_task(task, primitives=classes(primitives), changes=changes)
     except SpecError as problem:
         refuse(problem)
 
@@ -67,12 +70,13 @@ def bind_as_far(
     contacts: bool = True,
     controller: str | None = None,
     best_effort: bool = False,
+    changes: Sequence[str] = (),
 ) -> "tuple[BoundTask, BestEffort | None]":
     """`bind`; and what was asked for, if the body may do only as much of it as it can."""
     from sim import BodyError
     from specs import BestEffort, SpecError, bind_task, find_body, with_controller
 
-    spec, document = load(task, primitives)
+    spec, document = load(task, primitives, changes)
     try:
         if controller is not None:
             spec = with_controller(spec, controller)

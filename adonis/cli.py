@@ -27,6 +27,7 @@ from adonis.options import (
     Format,
     MorphOption,
     PrimitivesOption,
+    SetOption,
     Start,
     TaskArgument,
     TempoOption,
@@ -83,6 +84,7 @@ def run(
     afresh: AfreshOption = False,
     morph: MorphOption = None,
     best_effort: BestEffortOption = False,
+    changes: SetOption = None,
 ) -> None:
     """Do a task, and say how well it went.
 
@@ -98,7 +100,7 @@ def run(
     wished = given_path("--out", out)
     bound, effort = bind_as_far(
         task, body, tempo, primitives, limits=limits, contacts=contacts, controller=controller,
-        best_effort=best_effort,
+        best_effort=best_effort, changes=changes or (),
     )  # fmt: skip
     from adonis.dancing import Stopped, random_start
     from adonis.errors import InputError, OutputError
@@ -181,6 +183,7 @@ def check(
     tempo: TempoOption = None,
     primitives: PrimitivesOption = None,
     explain: ExplainOption = False,
+    changes: SetOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the findings for tools.")] = False,
 ) -> None:
     """Find what is wrong or doubtful in a task, without simulating a single step.
@@ -194,7 +197,7 @@ def check(
 
     if explain and not as_json:
         print_explanation(task)
-    raise typer.Exit(check_task(task, body, tempo, classes(primitives), as_json=as_json))
+    raise typer.Exit(check_task(task, body, tempo, classes(primitives), changes or (), as_json=as_json))
 
 
 @app.command()

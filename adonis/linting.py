@@ -33,6 +33,7 @@ def check_task(
     body: str | None,
     tempo: float | None,
     kinds: Sequence[type[Primitive]],
+    changes: Sequence[str] = (),
     *,
     as_json: bool,
 ) -> int:
@@ -43,13 +44,14 @@ def check_task(
         body: that is to do it; default: the task's own.
         tempo: instead of the task's own [beats/min].
         kinds: primitives of the user's own.
+        changes: values in the place of those of the file, `PATH=VALUE` each.
         as_json: print the findings for tools.
 
     Returns:
         The exit code: 1 if there is an error, or something that the body cannot do; else 0.
     """
     try:
-        spec, document = load_task(task, primitives=kinds)
+        spec, document = load_task(task, primitives=kinds, changes=changes)
         on = find_body(whose(spec, body))
         another = on.map.name != whose(spec, None)
         fit_spec = fit(spec, on, document, tempo)

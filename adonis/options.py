@@ -33,6 +33,15 @@ PrimitivesOption = Annotated[
         help="Python file (or module) whose primitives the task may use; may be repeated.",
     ),
 ]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help="Another value in the task, such as tempo=90 or scene.table.at='[0.5, 0, 1]';"
+        " may be repeated.",
+    ),
+]
 WaysOption = Annotated[
     str | None,
     typer.Option(

@@ -16,6 +16,7 @@ from specs.fragments import put_in_fragments
 from specs.graph_reading import task_of_graph
 from specs.including import include
 from specs.reading import Document, Path_, read_file, read_text, text_of
+from specs.setting import with_set
 from specs.task import Background, SubTask, TaskSpec, keys_of
 from specs.validating import validate
 
@@ -51,13 +52,17 @@ def find_task(name: str) -> Path:
 
 
 def load_task(
-    task: str | Path, *, primitives: Iterable[type[Primitive]] = ()
+    task: str | Path,
+    *,
+    primitives: Iterable[type[Primitive]] = (),
+    changes: Iterable[str] = (),
 ) -> tuple[TaskSpec, Document]:
     """Read a task.
 
     Args:
         task: a name of the library, or a path.
         primitives: classes of one's own that the file may use.
+        changes: values in the place of those of the file, `PATH=VALUE` each: see `setting`.
 
     Returns:
         The task, and the document it was read from, which knows where everything stands.
@@ -67,8 +72,10 @@ def load_task(
     """
     path = find_task(str(task))
     if path.suffix in ENGLISH:
-        return task_from_text(text_of(path), str(path), primitives=primitives)
-    document = put_in_fragments(include(task_of_graph(read_file(path))))
+        document = read_lesson(text_of(path), str(path)).document
+    else:
+        document = put_in_fragments(include(task_of_graph(read_file(path))))
+    document = with_set(document, changes)
     return parse_task(document, primitives=primitives), document
 
 

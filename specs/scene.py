@@ -2,10 +2,11 @@
 
 scene:
   table: {box: [0.4, 0.8, 0.03], at: [0.5, 0, 0.9]}           # lengths in X, Y and Z
-  ball: {sphere: 0.06, at: [0.4, -0.3, 1.2], moves: [{beat: 4, beats: 2, to: [0.4, 0.1, 1.3]}]}
+  ball: {sphere: 0.06, at: {near: table.top, away: 0.06}, moves: [{beat: 4, to: [0.4, 0.1, 1.3]}]}
 
 Their landmarks (`table.edge`, `ball.front`) are used like those of the body. Lengths and places are
-those of the world, whatever the body.
+those of the world, whatever the body; a place may be said from a landmark of an object that is
+written above, or of the body at home.
 """
 
 from collections.abc import Mapping
@@ -18,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from sim import Body, BodyError, Carry, Shape, Thing, furnished, overlap
 from specs.conditions import Name, Positive
-from specs.reading import Document
+from specs.reading import Document, Path_
 from specs.tempo import Clock
 
 Length = Annotated[float, Field(gt=0, le=100)]
@@ -28,6 +29,16 @@ MOST_MOVES = 1000
 TOUCHING = 1e-3  # [m] what an object may overlap the body in the beginning
 
 
+class Beside(BaseModel):
+    """A place near a landmark, where that is in the beginning."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    near: str  # a landmark of an object that is written above, or of the body at home
+    away: Coordinate = 0.0  # this far out along its normal [m]
+    offset: Place = (0.0, 0.0, 0.0)  # added: forward, left, up [m]
+
+
 class Move(BaseModel):
     """A movement of an object: smooth, from where it stands, along a straight line."""
 
@@ -35,7 +46,7 @@ class Move(BaseModel):
 
     beat: Annotated[float, Field(ge=0, le=1e6)]  # at which it begins
     beats: Positive = 1.0  # how long it takes
-    to: Place  # where its middle then is: forward, left, up from the floor [m]
+    to: Place | Beside  # where its middle then is: forward, left, up from the floor [m]; or near
 
 
 class SceneObject(BaseModel):
@@ -46,7 +57,7 @@ class SceneObject(BaseModel):
     box: tuple[Length, Length, Length] | None = None  # lengths in X, Y and Z [m]; or
     sphere: Length | None = None  # radius [m]; or
     cylinder: tuple[Length, Length] | None = None  # upright: radius and height [m]
-    at: Place  # its middle: forward, left, up from the floor below the body [m]
+    at: Place | Beside  # its middle: forward, left, up from the floor below the body [m]; or near
     turn: Annotated[float, Field(ge=-360, le=360)] = 0.0  # about the vertical, to the left [deg]
     moves: Annotated[tuple[Move, ...], Field(max_length=MOST_MOVES)] = ()  # one after the other
 
@@ -86,14 +97,35 @@ def furnish(scene: Mapping[Name, SceneObject], body: Body, clock: Clock, documen
         document: what the task was read from, so that errors can say where.
 
     Raises:
-        SpecError: an object is called like something of the body.
+        SpecError: an object is called like something of the body, or is near nothing that is there.
     """
-    for name, thing in scene.items():
+    for name, given in scene.items():
+        path: Path_ = ("scene", name)
+        at = _place(given.at, body, document, (*path, "at"))
+        carried = []
+        for k, move in enumerate(given.moves):
+            start = clock.lasts(0.0, move.beat)
+            to = _place(move.to, body, document, (*path, "moves", k, "to"))
+            carried.append(Carry(start=start, lasts=clock.lasts(start, move.beats), to=to))
+        turn = float(np.deg2rad(given.turn))
         try:
-            body = furnished(body, _thing(name, thing, clock))
+            body = furnished(body, Thing(name, *given.shape, at, turn, tuple(carried)))
         except BodyError as problem:
-            raise document.error(str(problem), ("scene", name), key=True) from None
+            raise document.error(str(problem), path, key=True) from None
     return body
+
+
+def _place(said: Place | Beside, body: Body, document: Document, path: Path_) -> Place:
+    """A place in the world [m]."""
+    if not isinstance(said, Beside):
+        return said
+    try:
+        spot = body.landmark(said.near)
+    except BodyError as problem:
+        raise document.error(f"{path[1]}: {problem}", (*path, "near")) from None
+    point = body.at_home(spot.link, spot.point + said.away * spot.normal) + said.offset
+    x, y, z = (float(c) for c in point)
+    return x, y, z
 
 
 def check_room(body: Body, start: NDArray[np.float64], document: Document) -> None:
@@ -110,13 +142,3 @@ def check_room(body: Body, start: NDArray[np.float64], document: Document) -> No
                 f" {100.0 * depth:.1f} cm in the beginning: place it elsewhere, or make it smaller",
                 ("scene", name, "at"),
             )
-
-
-def _thing(name: str, thing: SceneObject, clock: Clock) -> Thing:
-    shape, lengths = thing.shape
-    starts = [clock.lasts(0.0, move.beat) for move in thing.moves]
-    carried = tuple(
-        Carry(start=start, lasts=clock.lasts(start, move.beats), to=move.to)
-        for start, move in zip(starts, thing.moves, strict=True)
-    )
-    return Thing(name, shape, lengths, thing.at, float(np.deg2rad(thing.turn)), carried)

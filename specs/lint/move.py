@@ -55,12 +55,16 @@ class Move:
         return short_of(self.body, self.does, foreseen.qpos[-1])
 
     @property
-    def touching(self) -> set[str]:
-        """The links that it is to bring together, a hand and another."""
+    def touching(self) -> list[set[str]]:
+        """The pairs of links that it may bring together: a hand and what that is to touch.
+
+        On an object of the scene the forearm may lie too.
+        """
         if self.does.limb is None or self.touched < 0:
-            return set()
-        limb, model = self.body.map.limbs[self.does.limb], self.body.model
-        return {limb.hand, model.body(self.touched).name}
+            return []
+        limb, there = self.body.map.limbs[self.does.limb], self.body.model.body(self.touched).name
+        pairs: list[set[str]] = [{limb.hand, there}]
+        return [*pairs, {limb.forearm, there}] if there in self.body.map.objects else pairs
 
     @cached_property
     def apart(self) -> list[tuple[str, str]]:
@@ -73,7 +77,7 @@ class Move:
         return [
             pair
             for pair in body.map.keep_apart
-            if moved_by[pair[0]] != moved_by[pair[1]] and set(pair) != self.touching
+            if moved_by[pair[0]] != moved_by[pair[1]] and set(pair) not in self.touching
         ]
 
     def in_time(self, duration: float) -> Foreseen:
