@@ -77,7 +77,7 @@ class Objects:
         self._names = [str(body.model.body(int(link)).name) for link in self._links]
         self._planned = np.array([name in planned for name in self._names])
         last = max((c.start + c.lasts for n in planned for c in body.map.objects[n]), default=0.0)
-        times = body.timestep * np.arange(int(np.ceil(last / body.timestep)) + 2)
+        times = np.arange(np.ceil(last / body.timestep) + 2.0) * body.timestep
         course = places_at(body, times)[:, self._planned]
         self._course, self._speeds = course, np.diff(course, axis=0, prepend=course[:1])
         self._speeds /= body.timestep

@@ -2,7 +2,8 @@
 
 Its lengths are scaled by the ratio of the arms, its times by that of the bodies' times (the beat
 too), and gains that it gives by the law of what they move (`sim.scaled_gains`). What it leaves to
-the body needs no fitting: the body has it in its own size.
+the body needs no fitting: the body has it in its own size. Objects of its scene are what they are,
+unless they are said to scale.
 """
 
 from collections.abc import Mapping
@@ -85,11 +86,15 @@ def refitted(spec: TaskSpec, body: Body, fit: Fit) -> TaskSpec:
     scaling = _Scaling(body, fit)
     background = tuple(_with(b, does=scaling.primitive(b.does)) for b in spec.background)
     subtasks = tuple(scaling.subtask(subtask) for subtask in spec.subtasks)
+    scene = {
+        name: scaling.model(thing) if thing.scales else thing for name, thing in spec.scene.items()
+    }
     landmarks = {name: scaling.model(mark) for name, mark in spec.landmarks.items()}
     return _in_time(
         spec,
         fit.time,
         body=fit.body,
+        scene=scene,
         landmarks=landmarks,
         background=background,
         subtasks=subtasks,
@@ -127,7 +132,8 @@ def _resized(model: Model, factors: Mapping[Quantity, float]) -> Model:
     changed = {}
     for name in type(model).model_fields:
         value = getattr(model, name)
-        factor = factors.get(marked[name]) if name in marked else None
+        plain = name in marked and not isinstance(value, BaseModel)
+        factor = factors.get(marked[name]) if plain else None
         changed[name] = _inside(value, factors) if factor is None else _times(value, factor)
     return _with(model, **changed)
 

@@ -1,12 +1,12 @@
 """The scene of a task: objects that the body touches, bumps into, or follows.
 
 scene:
-  table: {box: [0.4, 0.8, 0.03], at: [0.5, 0, 0.9]}           # lengths in X, Y and Z
+  table: {box: [0.4, 0.8, 0.03], at: [0.5, 0, 0.9]}
   ball: {sphere: 0.06, at: {near: table.top, away: 0.06}, moves: [{beat: 4, to: [0.4, 0.1, 1.3]}]}
 
-Their landmarks (`table.edge`, `ball.front`) are used like those of the body. Lengths and places are
-those of the world, whatever the body; a place may be said from a landmark of an object that is
-written above, or of the body at home.
+Their landmarks (`table.edge`, `ball.front`) are used like those of the body. They are what they are
+and where they are whatever the body, unless they are said to scale; a place may be said from a
+landmark of an object that is written above, or of the body at home.
 """
 
 from collections.abc import Mapping
@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from primitives import Quantity
 from sim import Body, BodyError, Carry, Shape, Thing, furnished, overlap
 from specs.conditions import Name, Positive
 from specs.reading import Document, Path_
 from specs.tempo import Clock
 
-Length = Annotated[float, Field(gt=0, le=100)]
-Coordinate = Annotated[float, Field(ge=-100, le=100)]
+Length = Annotated[float, Field(gt=0, le=100), Quantity.LENGTH]
+Coordinate = Annotated[float, Field(ge=-100, le=100), Quantity.LENGTH]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 MOST_MOVES = 1000
 TOUCHING = 1e-3  # [m] what an object may overlap the body in the beginning
@@ -60,6 +61,8 @@ class SceneObject(BaseModel):
     at: Place | Beside  # its middle: forward, left, up from the floor below the body [m]; or near
     turn: Annotated[float, Field(ge=-360, le=360)] = 0.0  # about the vertical, to the left [deg]
     moves: Annotated[tuple[Move, ...], Field(max_length=MOST_MOVES)] = ()  # one after the other
+    # whether it is as much smaller and nearer on a smaller body as lengths of the task are
+    scales: bool = False
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -87,7 +90,9 @@ class SceneObject(BaseModel):
         return "cylinder", (2.0 * radius, 2.0 * radius, height)
 
 
-def furnish(scene: Mapping[Name, SceneObject], body: Body, clock: Clock, document: Document) -> Body:
+def furnish(
+    scene: Mapping[Name, SceneObject], body: Body, clock: Clock, document: Document
+) -> Body:
     """The body beside the objects of a scene.
 
     Args:

@@ -1,4 +1,4 @@
-"""Values set from outside the file of a task: `scene.table.at=[0.5, 0, 1.0]`, `subtasks.left.beats=4`.
+"""Values set from outside the file of a task: `scene.table.turn=20`, `subtasks.left.beats=4`.
 
 A path goes by keys, and in lists by the names of what is in them. Its last step may be a new key.
 """
