@@ -51,10 +51,15 @@ def fit(
 
 
 def bind(
-    task: str, body: str | None, tempo: float | None, primitives: list[str] | None
+    task: str,
+    body: str | None,
+    tempo: float | None,
+    primitives: list[str] | None,
+    *,
+    forget_ways: bool = False,
 ) -> "BoundTask":
     """Read a task and bind it to a body; every mistake in either ends here, with code 2."""
-    return bind_as_far(task, body, tempo, primitives)[0]
+    return bind_as_far(task, body, tempo, primitives, forget_ways=forget_ways)[0]
 
 
 def bind_as_far(
@@ -67,6 +72,7 @@ def bind_as_far(
     contacts: bool = True,
     controller: str | None = None,
     best_effort: bool = False,
+    forget_ways: bool = False,
 ) -> "tuple[BoundTask, BestEffort | None]":
     """`bind`; and what was asked for, if the body may do only as much of it as it can."""
     from sim import BodyError
@@ -78,6 +84,10 @@ def bind_as_far(
             spec = with_controller(spec, controller)
         on = find_body(whose(spec, body), limits=limits, contacts=contacts)
         spec = fit(spec, on, document, tempo)
+        if forget_ways:
+            from adonis.rehearsal.searching import without_ways
+
+            spec = without_ways(spec)
         if not best_effort:
             return bind_task(spec, on, document), None
         effort = BestEffort.of(spec, on, document)
