@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from specs import BestEffort, BoundTask, Document, TaskSpec
 
 FAILED, BAD_INPUT = 1, 2
+AS_FAR = (
+    "`adonis check {task} --body {body}` says what this body can do of it;"
+    " `adonis run` with --best-effort does as much"
+)
 
 
 def load(task: str, primitives: list[str] | None) -> "tuple[TaskSpec, Document]":
@@ -92,7 +96,10 @@ def bind_as_far(
             return bind_task(spec, on, document), None
         effort = BestEffort.of(spec, on, document)
         return bind_task(effort.tried, on), effort
-    except (BodyError, SpecError) as problem:
+    except SpecError as problem:
+        another = whose(spec, body) != whose(spec, None)
+        refuse(problem, AS_FAR.format(task=task, body=body) if another else "")
+    except BodyError as problem:
         refuse(problem)
 
 
@@ -122,9 +129,11 @@ def given_path(option: str, given: str | None) -> Path | None:
     return None if given is None else Path(given)
 
 
-def refuse(problem: Exception | str) -> NoReturn:
-    """One clear message, exit code 2; the line of the file that it is about stands below it."""
+def refuse(problem: Exception | str, advice: str = "") -> NoReturn:
+    """One clear message, exit code 2; below it the line that it is about, and advice."""
     typer.echo(f"adonis: {problem}", err=True)
     if excerpt := getattr(problem, "excerpt", ""):
         typer.echo(excerpt, err=True)
+    if advice:
+        typer.echo(advice, err=True)
     sys.exit(BAD_INPUT)
