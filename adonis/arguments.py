@@ -95,7 +95,7 @@ def bind_as_far(
         if not best_effort:
             return bind_task(spec, on, document), None
         effort = BestEffort.of(spec, on, document)
-        return bind_task(effort.tried, on), effort
+        return bind_task(effort.tried, on, document), effort
     except SpecError as problem:
         another = whose(spec, body) != whose(spec, None)
         refuse(problem, AS_FAR.format(task=task, body=body) if another else "")

@@ -55,7 +55,9 @@ def check_task(
         another = on.map.name != whose(spec, None)
         fit_spec = fit(spec, on, document, tempo)
         effort = BestEffort.of(fit_spec, on, document) if another else None
-        bound = bind_task(effort.tried, on) if effort else bind_task(fit_spec, on, document)
+        bound = (
+            bind_task(effort.tried, on, document) if effort else bind_task(fit_spec, on, document)
+        )
     except (BodyError, SpecError) as problem:
         if as_json and isinstance(problem, SpecError):
             print(findings_json([refusal(problem)]))

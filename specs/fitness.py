@@ -27,7 +27,7 @@ from sim import (
     places_of,
     posed,
 )
-from specs.binding import bind_task
+from specs.binding import bind_task, nothing_to_move
 from specs.conditions import bind_condition
 from specs.definitions import define
 from specs.errors import SpecError
@@ -110,6 +110,8 @@ def _fitness(graph: TaskGraph, subtask: SubTask, body: Body) -> Fitness:
     does, name = subtask.does, subtask.name
     for condition in subtask.conditions.values():
         bind_condition(condition, body, [])
+    if lacks := nothing_to_move(does, body):
+        return Fitness(name, "impossible", lacks)
     lasts = graph.lasts(name)
     try:
         field = graph.paced(does, graph.planned[name][0], lasts).bind(body, lasts)
