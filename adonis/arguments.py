@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from specs import BestEffort, BoundTask, Document, TaskSpec
 
 FAILED, BAD_INPUT = 1, 2
+AS_FAR = (
+    "`adonis check {task} --body {body}` says what this body can do of it;"
+    " `adonis run` with --best-effort does as much"
+)
 
 
 def load(
@@ -54,10 +58,15 @@ def fit(
 
 
 def bind(
-    task: str, body: str | None, tempo: float | None, primitives: list[str] | None
+    task: str,
+    body: str | None,
+    tempo: float | None,
+    primitives: list[str] | None,
+    *,
+    forget_ways: bool = False,
 ) -> "BoundTask":
     """Read a task and bind it to a body; every mistake in either ends here, with code 2."""
-    return bind_as_far(task, body, tempo, primitives)[0]
+    return bind_as_far(task, body, tempo, primitives, forget_ways=forget_ways)[0]
 
 
 def bind_as_far(
@@ -70,6 +79,7 @@ def bind_as_far(
     contacts: bool = True,
     controller: str | None = None,
     best_effort: bool = False,
+    forget_ways: bool = False,
     changes: Sequence[str] = (),
 ) -> "tuple[BoundTask, BestEffort | None]":
     """`bind`; and what was asked for, if the body may do only as much of it as it can."""
@@ -82,11 +92,18 @@ def bind_as_far(
             spec = with_controller(spec, controller)
         on = find_body(whose(spec, body), limits=limits, contacts=contacts)
         spec = fit(spec, on, document, tempo)
+        if forget_ways:
+            from adonis.rehearsal.searching import without_ways
+
+            spec = without_ways(spec)
         if not best_effort:
             return bind_task(spec, on, document), None
         effort = BestEffort.of(spec, on, document)
-        return bind_task(effort.tried, on), effort
-    except (BodyError, SpecError) as problem:
+        return bind_task(effort.tried, on, document), effort
+    except SpecError as problem:
+        another = whose(spec, body) != whose(spec, None)
+        refuse(problem, AS_FAR.format(task=task, body=body) if another else "")
+    except BodyError as problem:
         refuse(problem)
 
 
@@ -116,9 +133,11 @@ def given_path(option: str, given: str | None) -> Path | None:
     return None if given is None else Path(given)
 
 
-def refuse(problem: Exception | str) -> NoReturn:
-    """One clear message, exit code 2; the line of the file that it is about stands below it."""
+def refuse(problem: Exception | str, advice: str = "") -> NoReturn:
+    """One clear message, exit code 2; below it the line that it is about, and advice."""
     typer.echo(f"adonis: {problem}", err=True)
     if excerpt := getattr(problem, "excerpt", ""):
         typer.echo(excerpt, err=True)
+    if advice:
+        typer.echo(advice, err=True)
     sys.exit(BAD_INPUT)

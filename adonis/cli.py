@@ -24,6 +24,7 @@ from adonis.options import (
     BestEffortOption,
     BodyOption,
     Commands,
+    ForgetOption,
     Format,
     MorphOption,
     PrimitivesOption,
@@ -84,6 +85,7 @@ def run(
     afresh: AfreshOption = False,
     morph: MorphOption = None,
     best_effort: BestEffortOption = False,
+    forget_ways: ForgetOption = False,
     changes: SetOption = None,
 ) -> None:
     """Do a task, and say how well it went.
@@ -100,7 +102,7 @@ def run(
     wished = given_path("--out", out)
     bound, effort = bind_as_far(
         task, body, tempo, primitives, limits=limits, contacts=contacts, controller=controller,
-        best_effort=best_effort, changes=changes or (),
+        best_effort=best_effort, forget_ways=forget_ways, changes=changes or (),
     )  # fmt: skip
     from adonis.dancing import Stopped, random_start
     from adonis.errors import InputError, OutputError
@@ -147,6 +149,7 @@ def rehearse(
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the ways tried.")] = 0,
     primitives: PrimitivesOption = None,
     afresh: AfreshOption = False,
+    forget_ways: ForgetOption = False,
 ) -> None:
     """Find ways round the body for hands that are only told where to go, and write them down.
 
@@ -162,7 +165,7 @@ def rehearse(
     from specs import find_task, fit_of
 
     console, wished = Console(), given_path("--out", out)
-    bound = bind(task, body, tempo, primitives)
+    bound = bind(task, body, tempo, primitives, forget_ways=forget_ways)
     scaled = fit_of(load(task, primitives)[0], bound.body)
     file = wished or Path(f"{bound.spec.task}-rehearsed.yaml")
     try:

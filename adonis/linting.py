@@ -10,7 +10,7 @@ from rich.table import Table
 
 from adonis.arguments import BAD_INPUT, FAILED, fit, refuse, whose
 from adonis.fitness import print_fitness
-from primitives import Primitive
+from primitives import GoToPoint, Primitive
 from sim import BodyError
 from specs import (
     BestEffort,
@@ -25,6 +25,7 @@ from specs import (
     refusal,
 )
 
+REACH = ("out-of-reach", "inside-body", "stuck")  # findings that a table of fitness tells better
 COLORS = {"error": "red", "warning": "yellow", "note": "cyan"}
 
 
@@ -56,13 +57,17 @@ def check_task(
         another = on.map.name != whose(spec, None)
         fit_spec = fit(spec, on, document, tempo)
         effort = BestEffort.of(fit_spec, on, document) if another else None
-        bound = bind_task(effort.tried, on) if effort else bind_task(fit_spec, on, document)
+        bound = (
+            bind_task(effort.tried, on, document) if effort else bind_task(fit_spec, on, document)
+        )
     except (BodyError, SpecError) as problem:
         if as_json and isinstance(problem, SpecError):
             print(findings_json([refusal(problem)]))
             return BAD_INPUT
         refuse(problem)
-    found, fitness = lint_task(bound, document), effort.fitness if effort else ()
+    fitness = effort.fitness if effort else ()
+    told = {each.subtask for each in fitness if each.verdict != "reachable"}
+    found = [f for f in lint_task(bound, document) if f.subtask not in told or f.code not in REACH]
     if as_json:
         print(findings_json(found, spec.task, on.map.name, fitness))
     else:
@@ -71,6 +76,12 @@ def check_task(
         if fitness:
             print_fitness(console, spec, on.map.name, fitness)
         print_findings(console, found)
+        if fitness and any(isinstance(s.does, GoToPoint) and s.does.via for s in spec.subtasks):
+            console.print(
+                f"The ways of its hands were made for {whose(spec, None)}; with --forget-ways `run`"
+                f" and `rehearse` look for ways round {escape(on.map.name)}.",
+                soft_wrap=True,
+            )
     able = all(fit.verdict == "reachable" for fit in fitness)
     return 0 if able and all(f.severity != "error" for f in found) else FAILED
 

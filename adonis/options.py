@@ -60,6 +60,13 @@ BestEffortOption = Annotated[
         "--best-effort", help="Where the body cannot do as it is told, do the nearest it can."
     ),
 ]
+ForgetOption = Annotated[
+    bool,
+    typer.Option(
+        "--forget-ways",
+        help="Rehearse every touch, as if the task said nothing of ways: for another body.",
+    ),
+]
 AfreshOption = Annotated[
     bool, typer.Option("--afresh", help="Look for ways again, even if they are known from before.")
 ]

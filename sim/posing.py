@@ -80,7 +80,7 @@ def pose(body: Body, arm: Arm, words: ArmWords) -> FloatArray:
         if cost < least - 1e-9:
             best, least = solution.ravel(), cost
     residual(best.reshape(-1, 1))
-    worst = off_words(body, arm, data, words)
+    worst = max(off_words(body, arm, data, words).values(), default=0.0)
     angles = np.full(body.nv, np.nan)
     angles[arm.dofs] = best
     if worst > TOLERANCE:
@@ -102,13 +102,20 @@ def posed(body: Body, angles: FloatArray) -> mujoco.MjData:
     return data
 
 
-def off_words(body: Body, arm: Arm, data: mujoco.MjData, words: ArmWords) -> float:
-    """By how much an arm is off from what is said of it, in the kinematics of `data` [rad]."""
-    held = measure(body, arm, data)
-    chords = [0.0]
-    for wanted, now in ((words.direction, held.direction), (words.palm, held.palm)):
+def off_words(body: Body, arm: Arm, data: mujoco.MjData, words: ArmWords) -> dict[str, float]:
+    """By how much an arm is off from what is said of it, in the kinematics of `data` [rad].
+
+    Returns:
+        For each that is said of `arm`, `elbow` and `palm`, the angle between it and what is.
+    """
+    held, off = measure(body, arm, data), dict[str, float]()
+    for part, wanted, now in (
+        ("arm", words.direction, held.direction),
+        ("palm", words.palm, held.palm),
+    ):
         if wanted is not None and now is not None:
-            chords.append(float(np.linalg.norm(now - wanted)))
-    turned = 2.0 * np.arcsin(min(max(chords) / 2.0, 1.0))
-    bent = 0.0 if words.elbow is None or held.elbow is None else abs(held.elbow - words.elbow)
-    return float(max(turned, bent))
+            half_chord = min(float(np.linalg.norm(now - wanted)) / 2.0, 1.0)
+            off[part] = float(2.0 * np.arcsin(half_chord))
+    if words.elbow is not None and held.elbow is not None:
+        off["elbow"] = abs(held.elbow - words.elbow)
+    return off

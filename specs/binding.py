@@ -177,11 +177,21 @@ def _bind(
         raise document.error(said, path) from problem
     if wrong:
         raise document.error(f"{name}: bind of {type(primitive).__name__} {wrong}", path)
-    joints = getattr(primitive, "joints", None)
-    if np.isfinite(duration) and isinstance(joints, tuple) and joints and not len(field.claims):
-        said = f"{name}: there is nothing to move: {body.map.name} has no {', '.join(joints)}"
-        raise document.error(said, (*path, "joints"))
+    if np.isfinite(duration) and (lacks := nothing_to_move(primitive, body)):
+        raise document.error(f"{name}: {lacks}", (*path, "joints"))
     return field
+
+
+def nothing_to_move(primitive: Primitive, body: Body) -> str:
+    """Why a sub-task moves nothing: the body has none of its joints; nothing if it has some."""
+    joints = getattr(primitive, "joints", None)
+    if not joints or not isinstance(joints, tuple):
+        return ""
+    try:
+        none = not len(body.joints(joints))
+    except (BodyError, TypeError):  # somebody's own primitive, whose joints mean something else
+        return ""
+    return f"there is nothing to move: {body.map.name} has no {', '.join(joints)}" if none else ""
 
 
 def _no_field(field: object, body: Body) -> str:

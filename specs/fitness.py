@@ -1,8 +1,9 @@
 """What a body can do of a task, sub-task by sub-task, told before anything moves.
 
 A task speaks anatomy, and bodies differ: one has no neck, another's wrist turns half as far. Each
-sub-task is `reachable`; or `partly`, with how far short it stays at best, which joint is to blame,
-and what would come nearest; or `impossible`, because the body lacks what it names or is too weak.
+sub-task is `reachable`, within what the judge allows; or `partly`, with how far short it stays at
+best, which joint is to blame, and what would come nearest; or `impossible`, because the body lacks
+what it names.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from primitives import GetPosture, GoToPoint, Place, Primitive, PrimitiveError
 from primitives.get_posture import arm_words
 from primitives.primitive import FloatArray
 from sim import (
+    Arm,
     BeyondRange,
     Body,
     BodyError,
@@ -21,24 +23,24 @@ from sim import (
     inverse_dynamics,
     joint_to_blame,
     load_body,
-    moving_dofs,
     off_words,
     places_of,
     posed,
     standing,
 )
-from specs.binding import bind_task, defined
+from specs.binding import bind_task, defined, nothing_to_move
 from specs.conditions import bind_condition
 from specs.errors import SpecError
 from specs.graph import TaskGraph, build_graph
-from specs.lint.nearest import nearest
+from specs.lint.nearest import best, inside
 from specs.reading import Document
 from specs.task import SubTask, TaskSpec
-from specs.tolerances import TOUCH_BEFORE_NEXT, size_of
+from specs.tolerances import ANGLE, PALM_ANGLE, TOUCH_BEFORE_NEXT, size_of
 
 Possible = Literal["reachable", "partly", "impossible"]
 
 REFERENCE = "adonis"  # the body that lacks nothing
+ALLOWED = {"arm": ANGLE, "elbow": ANGLE, "palm": PALM_ANGLE}  # of a posture, by the judge [deg]
 METRES, RADIANS = 0.02, 0.05  # what a radian of a joint has to save to be to blame [m], [rad]
 
 
@@ -109,6 +111,8 @@ def _fitness(graph: TaskGraph, subtask: SubTask, body: Body) -> Fitness:
     does, name = subtask.does, subtask.name
     for condition in subtask.conditions.values():
         bind_condition(condition, body, [])
+    if lacks := nothing_to_move(does, body):
+        return Fitness(name, "impossible", lacks)
     lasts = graph.lasts(name)
     try:
         field = graph.paced(does, graph.planned[name][0], lasts).bind(body, lasts)
@@ -125,29 +129,37 @@ def _fitness(graph: TaskGraph, subtask: SubTask, body: Body) -> Fitness:
 
 def _reaching(name: str, does: GoToPoint, body: Body) -> Fitness:
     """Of a palm that goes somewhere; where another limb carries the goal, nobody can tell."""
-    arm, goal = body.arm(does.limb), does.palm_goal(body)
-    limbs = {int(dof) for limb in body.map.limbs for dof in body.joints(limb)}
-    if moving_dofs(body, goal.place.link) & limbs:
-        return Fitness(name, "reachable")
-    tries = [nearest(body, arm, goal.place, way, goal.touched) for way in (goal.normal, None)]
+    arm, goal = body.arm(does.limb), does.palm_goal(body).place
     enough = TOUCH_BEFORE_NEXT * size_of(body)
-    if tries[0][0] <= enough:
-        return _strong(name, body, tries[0][2][body.qpos_of_dof], arm.dofs)
-    short, place, posture = min(tries, key=lambda tried: tried[0])
-    if short <= enough:
-        return _strong(name, body, posture[body.qpos_of_dof], arm.dofs)
-    target = body.at_home(goal.place.link, goal.place.point)
+    limbs = {int(dof) for limb in body.map.limbs for dof in body.joints(limb)}
+    sunk, link = inside(body, arm, goal, limbs)
+    found = best(body, does, limbs, link if sunk <= enough else "")
+    if found.posture is None:
+        return Fitness(name, "reachable")
+    posture = found.posture[body.qpos_of_dof]
+    if found.miss <= enough or found.place is None:
+        return _strong(name, body, posture, arm.dofs)
+    target = body.at_home(goal.link, goal.point)
 
     def miss(angles: FloatArray) -> float:
-        qpos = posture.copy()
+        qpos = body.home.copy()
         qpos[body.qpos_of_dof] = angles
         return float(np.linalg.norm(places_of(body, qpos, [arm.palm])[0] - target))
 
-    joint = joint_to_blame(body, arm.dofs, posture[body.qpos_of_dof], miss, least=METRES)
-    x, y, z = (round(float(c), 3) + 0.0 for c in place)
+    joint = joint_to_blame(body, arm.dofs, posture, miss, least=METRES)
+    x, y, z = (round(float(c), 3) + 0.0 for c in found.place)
     instead = does.model_copy(update={"to": Place(point=(x, y, z)), "palm": None})
-    why = _in_the_way(joint) if joint else f"the arm is {100 * short:.1f} cm too short"
-    return Fitness(name, "partly", why, short, "m", joint, instead)
+    why = _in_the_way(joint) if joint else _no_joint(body, arm, target, found.miss)
+    return Fitness(name, "partly", why, found.miss, "m", joint, instead)
+
+
+def _no_joint(body: Body, arm: Arm, target: FloatArray, short: float) -> str:
+    """Why a palm stays short if no end of a joint is in the way."""
+    shoulder = body.at_home(arm.upper_arm, np.zeros(3))
+    lacks = float(np.linalg.norm(target - shoulder)) - body.reach(arm)
+    if lacks > 0.5 * short:
+        return f"the arm is {100 * lacks:.1f} cm too short"
+    return "its own body is in the way"
 
 
 def _unposable(name: str, does: Primitive, body: Body, problem: Unposable) -> Fitness:
@@ -157,8 +169,11 @@ def _unposable(name: str, does: Primitive, body: Body, problem: Unposable) -> Fi
     arm, words = body.arm(does.limb), arm_words(body, does.posture)
     home = body.home[body.qpos_of_dof]
 
-    def miss(angles: FloatArray) -> float:
+    def off(angles: FloatArray) -> dict[str, float]:
         return off_words(body, arm, posed(body, angles), words)
+
+    def miss(angles: FloatArray) -> float:
+        return max(off(angles).values())
 
     angles = np.where(np.isnan(problem.nearest), home, problem.nearest)
     joint = joint_to_blame(body, arm.dofs, angles, miss, least=RADIANS)
@@ -166,9 +181,18 @@ def _unposable(name: str, does: Primitive, body: Body, problem: Unposable) -> Fi
         body.dof_name(int(d)): round(float(np.rad2deg(angles[d])), 1) + 0.0 for d in arm.dofs
     }
     instead = does.model_copy(update={"posture": degrees, "via": ()})
-    short = float(np.rad2deg(problem.off))
+    parts = {part: float(np.rad2deg(by)) for part, by in off(angles).items()}
+    over = {part: by for part, by in parts.items() if by > ALLOWED[part]}
     why = _in_the_way(joint) if joint else "the joints of this arm do not turn it so"
-    return Fitness(name, "partly", why, short, "deg", joint, instead)
+    if not over:
+        said = _within(why, max(parts, key=lambda part: parts[part]))
+        return Fitness(name, "reachable", said, max(parts.values()), "deg", joint, instead)
+    worst = max(over, key=lambda part: over[part])
+    return Fitness(name, "partly", f"{worst}: {why}", over[worst], "deg", joint, instead)
+
+
+def _within(why: str, part: str) -> str:
+    return f"{why}; within the {ALLOWED[part]:.0f}° that are allowed"
 
 
 def _beyond(name: str, does: Primitive, body: Body, problem: BeyondRange) -> Fitness:
@@ -191,7 +215,9 @@ def _beyond(name: str, does: Primitive, body: Body, problem: BeyondRange) -> Fit
         if abs(held - angle) > worst:
             worst, blamed = abs(held - angle), own
     instead = does.model_copy(update={"posture": within})
-    return Fitness(name, "partly", str(problem), worst, "deg", blamed, instead)
+    verdict: Possible = "partly" if worst > ANGLE else "reachable"
+    why = str(problem) if worst > ANGLE else _within(str(problem), "elbow")
+    return Fitness(name, verdict, why, worst, "deg", blamed, instead)
 
 
 def _strong(name: str, body: Body, angles: FloatArray, claims: Any) -> Fitness:

@@ -37,6 +37,25 @@ def with_ways(spec: TaskSpec, ways: Mapping[str, GoToPoint]) -> TaskSpec:
     return spec.model_copy(update={"subtasks": subtasks})
 
 
+def without_ways(spec: TaskSpec) -> TaskSpec:
+    """The task with the ways of its touches forgotten, to be rehearsed.
+
+    A hand that goes to a place in the air is left its way, which may be what it is to draw.
+    """
+    subtasks = tuple(
+        s.model_copy(update={"does": _told_where(s.does)})
+        if isinstance(s.does, GoToPoint) and isinstance(s.does.to, str)
+        else s
+        for s in spec.subtasks
+    )
+    return spec.model_copy(update={"subtasks": subtasks, "rehearse": True})
+
+
+def _told_where(does: GoToPoint) -> GoToPoint:
+    kept = does.model_dump(exclude_unset=True, exclude={"via", "upper_arm", "travel"})
+    return GoToPoint.model_validate(kept)
+
+
 class Search:
     """For the way of one sub-task.
 

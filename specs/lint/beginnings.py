@@ -57,7 +57,7 @@ def _judged(task: BoundTask, condition: Condition) -> tuple[Holds, str]:
     most = float(np.linalg.norm(where - shoulder)) + body.reach(arm)
     if distance > most:
         return "always", f"the palm is never farther from it than {cm(most)}"
-    (least, _, _), spare = nearest(body, arm, mark, None), SPARE * size_of(body)
+    least, spare = nearest(body, arm, mark, None).miss, SPARE * size_of(body)
     return ("never", _at_best(least)) if distance < least - spare else ("perhaps", "")
 
 

@@ -1,5 +1,7 @@
 """How near a palm comes to a place at best, by inverse kinematics and by leaning on the body."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from primitives import GoToPoint, Place
@@ -8,10 +10,12 @@ from primitives.primitive import FloatArray
 from sim import (
     Arm,
     Body,
+    BodyError,
     PalmGoal,
     Spot,
     World,
     axes_of,
+    depth_inside,
     moving_dofs,
     origin,
     places_of,
@@ -25,34 +29,57 @@ ANGLE = 1e-3  # [rad] as good as at home
 SAMPLES, ROUNDS = 256, 12  # postures that are tried at once, and how often the search narrows
 
 ORIGIN: FloatArray = np.zeros(3)
-Best = tuple[float, FloatArray | None]  # miss [m], and the nearest place (3,), if it is known
 AT_EASE = 1.0  # [s] in which a palm that is held at its goal comes to rest
 
 
+class Best(NamedTuple):
+    """How near a palm comes to its goal."""
+
+    miss: float  # [m]
+    place: FloatArray | None = None  # where it then is, seen from the trunk (3,), if it is known
+    posture: FloatArray | None = None  # in which it is there (nq,)
+
+
 def best(body: Body, does: GoToPoint, away: set[int], pressed: str) -> Best:
-    """By how much a palm misses its goal at best, and where it then is, seen from the trunk.
+    """How near a palm comes to its goal at best.
 
     A link that is `pressed`, the goal being a little inside it, may be touched.
-    Where the goal moves with joints that the task moves away from home, nobody can tell: 0.
+    Where the goal moves with joints that may be `away` from home, nobody can tell: it misses by 0.
     """
     arm = body.arm(does.limb)
     goal = does.hand_goal(body, arm).places[-1]
     between = moving_dofs(body, goal.link) ^ moving_dofs(body, arm.root)
     if between & set(arm.dofs.tolist()):
-        return miss_itself(body, arm, goal), None
+        return Best(miss_itself(body, arm, goal))
     if between & away:
-        return 0.0, None
+        return Best(0.0)
     touched = body.link(pressed) if pressed else -1
-    least, where, allowed = np.inf, None, TOUCH_BEFORE_NEXT * size_of(body)
+    found, allowed = Best(np.inf), TOUCH_BEFORE_NEXT * size_of(body)
     for normal in _facings(body, does, goal):
-        miss, there, posture = nearest(body, arm, goal, normal, touched)
-        if miss <= allowed and not body.is_free(posture):
-            miss, there = held_there(body, does, normal, posture)
-        if miss < least:
-            least, where = miss, there
-        if least <= allowed:
+        near = nearest(body, arm, goal, normal, touched)
+        if near.miss <= allowed and near.posture is not None and not body.is_free(near.posture):
+            near = held_there(body, does, normal, near.posture)
+        if near.miss < found.miss:
+            found = near
+        if found.miss <= allowed:
             break
-    return least, where
+    return found
+
+
+def inside(body: Body, arm: Arm, goal: Spot, away: set[int]) -> tuple[float, str]:
+    """How deep a goal lies in a link that the hand cannot enter [m], and in which."""
+    own = {body.model.body(link).name for link in arm.links}
+    pairs = [pair for pair in body.map.keep_apart if arm.limb.hand in pair]
+    links = {link for pair in pairs for link in pair} - own
+    links |= {body.model.body(goal.link).name} - own - {"world"}
+    fixed = [
+        link for link in sorted(links)
+        if not (moving_dofs(body, body.link(link)) ^ moving_dofs(body, goal.link)) & away
+    ]  # fmt: skip
+    try:
+        return depth_inside(body, body.home, body.at_home(goal.link, goal.point), fixed)
+    except BodyError:
+        return 0.0, ""
 
 
 def _facings(body: Body, does: GoToPoint, goal: Spot) -> list[FloatArray | None]:
@@ -63,10 +90,8 @@ def _facings(body: Body, does: GoToPoint, goal: Spot) -> list[FloatArray | None]
     return [body.from_link(goal.link, -body.landmark(mark).normal), None]
 
 
-def held_there(
-    body: Body, does: GoToPoint, normal: FloatArray | None, posture: FloatArray
-) -> tuple[float, FloatArray]:
-    """By how much a palm misses that springs hold at its goal, and where it is from the trunk (3,).
+def held_there(body: Body, does: GoToPoint, normal: FloatArray | None, posture: FloatArray) -> Best:
+    """How near a palm comes that springs hold at its goal.
 
     Inverse kinematics keeps apart what must not touch, and lets an upper arm into the ribs.
 
@@ -81,18 +106,15 @@ def held_there(
     held = GoToPoint(limb=does.limb, to=to, palm=facing)
     move, arm = from_posture(body, held, posture, AT_EASE), body.arm(does.limb)
     if move is None:
-        return 0.0, ORIGIN
+        return Best(0.0, ORIGIN, posture)
     rest = move.foreseen.qpos[-1]
     palm, trunk = places_of(body, rest, [arm.palm, origin(arm.root)])
-    return move.short(move.foreseen), axes_of(body, rest, arm.root).T @ (palm - trunk)
+    place = axes_of(body, rest, arm.root).T @ (palm - trunk)
+    return Best(move.short(move.foreseen), place, rest)
 
 
-def nearest(
-    body: Body, arm: Arm, goal: Spot, normal: FloatArray | None, touched: int = -1
-) -> tuple[float, FloatArray, FloatArray]:
-    """By how much a palm misses, where it is from the trunk (3,), and the posture (nq,).
-
-    All other joints are at home.
+def nearest(body: Body, arm: Arm, goal: Spot, normal: FloatArray | None, touched: int = -1) -> Best:
+    """How near a palm comes, all other joints being at home.
 
     Args:
         body: whose palm.
@@ -113,7 +135,7 @@ def nearest(
     qpos[body.qpos_of_dof[arm.dofs]] = postures[0, arm.dofs]
     palm = places_of(body, qpos, [arm.palm])[0]
     miss = float(np.linalg.norm(palm - place))
-    return miss, palm - body.at_home(arm.root, ORIGIN), qpos
+    return Best(miss, palm - body.at_home(arm.root, ORIGIN), qpos)
 
 
 def miss_itself(body: Body, arm: Arm, goal: Spot) -> float:

@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 
 from primitives import GoToPoint
-from sim import Arm, Body, BodyError, Spot, depth_inside, moving_dofs
 from specs.binding import BoundTask
 from specs.lint.finding import Finding, Places, cm, point
 from specs.lint.move import Move
-from specs.lint.nearest import Best, best, moved_from_home
+from specs.lint.nearest import Best, best, inside, moved_from_home
 from specs.tolerances import TOUCH_BEFORE_NEXT, size_of
 
 
@@ -30,10 +29,10 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
         objects = body.model.body_pos[body.objects].tobytes()
         key = arm.name, repr(does.to), does.palm, objects
         if key not in known:
-            sunk, link = _inside(body, arm, goal, away)
-            fits = (0.0, None) if sunk > allowed else best(body, does, away, link)
+            sunk, link = inside(body, arm, goal, away)
+            fits = Best(0.0) if sunk > allowed else best(body, does, away, link)
             known[key] = sunk, link, fits
-        sunk, link, (miss, nearest) = known[key]
+        sunk, link, (miss, nearest, _) = known[key]
         if sunk > allowed:
             found.append(
                 places.finding(
@@ -56,19 +55,3 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
                 )
             )  # fmt: skip
     return found
-
-
-def _inside(body: Body, arm: Arm, goal: Spot, away: set[int]) -> tuple[float, str]:
-    """How deep a goal lies in a link that the hand cannot enter [m], and in which."""
-    own = {body.model.body(link).name for link in arm.links}
-    pairs = [pair for pair in body.map.keep_apart if arm.limb.hand in pair]
-    links = {link for pair in pairs for link in pair} - own
-    links |= {body.model.body(goal.link).name} - own - {"world"}
-    fixed = [
-        link for link in sorted(links)
-        if not (moving_dofs(body, body.link(link)) ^ moving_dofs(body, goal.link)) & away
-    ]  # fmt: skip
-    try:
-        return depth_inside(body, body.home, body.at_home(goal.link, goal.point), fixed)
-    except BodyError:
-        return 0.0, ""

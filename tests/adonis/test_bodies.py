@@ -1,5 +1,6 @@
 """`adonis body new` and `adonis body check`, and a dance on what they write."""
 
+import json
 import os
 import re
 import subprocess
@@ -131,10 +132,16 @@ def test_a_sub_task_of_joints_that_a_body_lacks_is_refused(tmp_path: Path) -> No
         "task: nod\nsubtasks:\n"
         "  - {name: nod, primitive: get-posture, joints: [neck], posture: upright}\n"
     )
-    ended = adonis("check", "nod.yaml", "--body", "arm7", cwd=tmp_path)
+    ended = adonis("run", "nod.yaml", "--body", "arm7", cwd=tmp_path)
     assert ended.returncode == 2
     assert "nod.yaml:3:" in ended.stderr
     assert "nod: there is nothing to move: arm7 has no neck" in ended.stderr
+    assert "`adonis check nod.yaml --body arm7` says what this body can do" in ended.stderr
+    checked = adonis("check", "nod.yaml", "--body", "arm7", "--json", cwd=tmp_path)
+    assert checked.returncode == 1
+    (fit,) = json.loads(checked.stdout)["fitness"]
+    assert fit["verdict"] == "impossible"
+    assert fit["why"] == "there is nothing to move: arm7 has no neck"
 
 
 def test_the_body_file_in_the_documentation_is_one(tmp_path: Path) -> None:
