@@ -41,13 +41,13 @@ class Beside(BaseModel):
 
 
 class Move(BaseModel):
-    """A movement of an object: smooth, from where it stands, along a straight line."""
+    """A movement of an object: smooth, along a straight line from where it stands."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     beat: Annotated[float, Field(ge=0, le=1e6)]  # at which it begins
     beats: Positive = 1.0  # how long it takes
-    to: Place | Beside  # where its middle then is: forward, left, up from the floor [m]; or near
+    to: Place | Beside  # where its middle then is: forward, left, up from the floor [m]
 
 
 class SceneObject(BaseModel):
@@ -58,10 +58,11 @@ class SceneObject(BaseModel):
     box: tuple[Length, Length, Length] | None = None  # lengths in X, Y and Z [m]; or
     sphere: Length | None = None  # radius [m]; or
     cylinder: tuple[Length, Length] | None = None  # upright: radius and height [m]
-    at: Place | Beside  # its middle: forward, left, up from the floor below the body [m]; or near
+    at: Place | Beside  # its middle: forward, left, up from the floor below the body [m]
     turn: Annotated[float, Field(ge=-360, le=360)] = 0.0  # about the vertical, to the left [deg]
-    moves: Annotated[tuple[Move, ...], Field(max_length=MOST_MOVES)] = ()  # one after the other
-    # whether it is as much smaller and nearer on a smaller body as lengths of the task are
+    # how it is carried, one move after the other; it stands still between them
+    moves: Annotated[tuple[Move, ...], Field(max_length=MOST_MOVES)] = ()
+    # whether its lengths and places are made to fit another body, like those of the task
     scales: bool = False
 
     @model_validator(mode="after")

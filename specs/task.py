@@ -163,7 +163,7 @@ class TaskSpec(BaseModel):
     safety: Literal["none", "filter"] = "none"  # what comes after all torques are summed
     # whether ways of hands that it says nothing of are to be found first
     rehearse: bool = False
-    scene: dict[Name, SceneObject] = {}  # objects beside the body, in the metres of the world
+    scene: dict[Name, SceneObject] = {}  # objects to touch and to follow
     landmarks: dict[Name, Landmark] = {}  # of this task, beside the body's
     postures: dict[Name, NamedPosture] = {}  # of this task, beside the body's
     background: tuple[Background, ...] = ()  # what is on all the time

@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner
 
 from adonis.cli import app
 from adonis.dancing import run_task
 from adonis.judging import judge
 from adonis.keeping import read_kept
+from adonis.performing import perform_rehearsal
 from adonis.rehearsal import keeping, searching
 from adonis.rehearsal.keeping import rehearsed, task_text
 from adonis.rehearsal.rehearsing import rehearse
@@ -201,3 +203,19 @@ def test_a_lesson_is_rehearsed_before_it_is_danced(body: Body, tmp_path: Path) -
     assert not judge(straight, spec).success
     ended = CliRunner().invoke(app, ["run", str(file), "--out", str(out)])
     assert ended.exit_code == 0, ended.output
+
+
+def test_what_a_task_defines_is_there_in_its_rehearsal(body: Body) -> None:
+    """Names, gains and objects of the task's own are put in once, and seen by the search."""
+    text = TEXT.replace("to: head.back_right", "to: nape-left").replace(
+        "background:",
+        "landmarks: {nape-left: {near: head.back_left}}\ngains: {hands: 1.2}\n"
+        "scene: {pole: {cylinder: [0.05, 1.0], at: [0.35, 0.5, 1.2]}}\nbackground:",
+    )
+    bound = bind_task(task_from_text(text)[0], body)
+    made, ways = perform_rehearsal(Console(quiet=True), bound, seed=0, afresh=True)
+    assert set(ways) == {"nape", "out"}
+    assert made.body.map == bound.body.map, "neither gains nor objects twice"
+    spring = body.map.limbs["left_arm"].spring
+    assert made.body.map.limbs["left_arm"].spring.stiffness == pytest.approx(1.2 * spring.stiffness)
+    assert ways["nape"].grade.passes
