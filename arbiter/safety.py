@@ -26,7 +26,7 @@ from primitives.compiled import Records
 from primitives.mechanics import dof_table, link_table
 from primitives.repulsion import PAIR
 from primitives.table import FieldTable, TableBuilder
-from sim import Body, State, inertias
+from sim import Body, State, inertias, pushed_apart
 
 FloatArray = NDArray[np.float64]
 SOFTNESS = 1e-6  # rho: what is missing costs so much more than torque that is changed
@@ -152,7 +152,7 @@ def guarded_links(body: Body) -> FieldTable:
         PrimitiveError: one of them has no geom that collides.
     """
     builder: Any = TableBuilder(body.nv)
-    if body.pushed_apart:
+    if pushed_apart(body):
         AvoidCollisions().bind(body, np.inf).add_to(builder)
     return builder.build()  # type: ignore[no-any-return]
 
@@ -166,9 +166,9 @@ def brushing(body: Body) -> Records:
     Returns:
         Rows of PAIR, by their place in the table of capsules.
     """
-    names = dict.fromkeys(name for pair in body.pushed_apart for name in pair)
+    names = dict.fromkeys(name for pair in pushed_apart(body) for name in pair)
     geoms = [int(g) for g in body.capsules(names).geom]
-    apart = {frozenset(body.link(name) for name in pair) for pair in body.pushed_apart}
+    apart = {frozenset(body.link(name) for name in pair) for pair in pushed_apart(body)}
     model, found = body.model, []
     for pair in zip(model.pair_geom1, model.pair_geom2, strict=True):
         links = frozenset(int(model.geom_bodyid[g]) for g in pair)

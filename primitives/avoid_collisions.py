@@ -18,7 +18,7 @@ from primitives.primitive import NO_JOINTS, Primitive
 from primitives.quantity import Quantity
 from primitives.repulsion import CAPSULE, GUARD, GUARDED, PAIR
 from primitives.table import GUARDING, TableBuilder
-from sim import Body
+from sim import Body, pushed_apart
 
 Range = Annotated[Positive, Quantity.LENGTH]
 
@@ -34,7 +34,7 @@ class AvoidCollisions(Primitive):
 
     def bind(self, body: Body, duration: float) -> "GuardField":
         """See `Primitive.bind`."""
-        names = body.pushed_apart if self.pairs is None else self.pairs
+        names = pushed_apart(body) if self.pairs is None else self.pairs
         if not names:
             raise PrimitiveError(
                 f"the body map of {body.map.name!r} keeps no links apart; name pairs of links"

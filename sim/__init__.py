@@ -24,7 +24,7 @@ from sim.foreign.building import build_body, hanging_places
 from sim.foreign.proposal import Proposal, body_name, propose
 from sim.foreign.reading import Source, read_model
 from sim.foreseeing import Foreseen, Foresight, moved
-from sim.furnishing import Shape, Thing, furnished, overlap
+from sim.furnishing import Thing, furnished, overlap, pushed_apart
 from sim.gains import Gains, firmer, mean_hand, mean_joint, scaled_gains, spring_laws
 from sim.gaze import Gaze, carrier, find_gaze, moving_dofs
 from sim.hand_springs import HandPath, HandSprings
@@ -97,7 +97,6 @@ __all__ = [
     "RecordingError",
     "Replay",
     "Servo",
-    "Shape",
     "SimError",
     "Source",
     "Span",
@@ -150,6 +149,7 @@ __all__ = [
     "pose",
     "posed",
     "propose",
+    "pushed_apart",
     "reach",
     "read_model",
     "renamed",

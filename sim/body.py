@@ -21,7 +21,6 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 _ONE_DOF = (mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value)
-_ROUND = (mujoco.mjtGeom.mjGEOM_CAPSULE.value, mujoco.mjtGeom.mjGEOM_SPHERE.value)
 
 ROUNDING = 1e-5  # [rad] of the ranges of joints: the model's XML has six digits
 # Directions in the frame of the body: X forward, Y left, Z up.
@@ -350,18 +349,6 @@ class Body:
         """The links that no joint moves but somebody may carry, (m,), as MuJoCo counts them."""
         found: IntArray = np.flatnonzero(self.model.body_mocapid >= 0).astype(np.int32)
         return found
-
-    @cached_property
-    def pushed_apart(self) -> tuple[tuple[str, str], ...]:
-        """Pairs of links that must not touch, but for objects that distances are not kept from.
-
-        These are boxes and cylinders, which contacts alone keep out of the body.
-        """
-        edged = {
-            name for name in self.map.objects
-            if any(self.model.geom_type[g] not in _ROUND for g in self.colliding(self.link(name)))
-        }  # fmt: skip
-        return tuple(pair for pair in self.map.keep_apart if edged.isdisjoint(pair))
 
     @cached_property
     def ancestors(self) -> NDArray[np.bool_]:

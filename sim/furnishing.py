@@ -27,6 +27,7 @@ KINDS: dict[Shape, mujoco.mjtGeom] = {
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
 }
+ROUND = (mujoco.mjtGeom.mjGEOM_CAPSULE.value, mujoco.mjtGeom.mjGEOM_SPHERE.value)
 FRICTION = 0.3  # of a hand on smooth wood
 COLORS = (  # of one object after the other
     *((0.72, 0.56, 0.38, 1.0), (0.83, 0.30, 0.22, 1.0)),
@@ -89,6 +90,18 @@ def furnished(body: Body, thing: Thing) -> Body:
         "objects": {**names.objects, thing.name: thing.carried},
     }
     return Body(spec, names.model_copy(update=more))
+
+
+def pushed_apart(body: Body) -> tuple[tuple[str, str], ...]:
+    """Pairs of links that must not touch, but for objects that distances are not kept from.
+
+    These are boxes and cylinders, which contacts alone keep out of the body.
+    """
+    edged = {
+        name for name in body.map.objects
+        if any(body.model.geom_type[g] not in ROUND for g in body.colliding(body.link(name)))
+    }  # fmt: skip
+    return tuple(pair for pair in body.map.keep_apart if edged.isdisjoint(pair))
 
 
 def overlap(body: Body, name: str, qpos: FloatArray) -> tuple[str, float]:

@@ -16,7 +16,7 @@ from primitives import (
     PrimitiveError,
     Relax,
 )
-from sim import BeyondRange, Body, BodyError, standing
+from sim import BeyondRange, Body, BodyError, pushed_apart, standing
 from specs.blame import told
 from specs.conditions import BoundCondition, Condition, bind_condition
 from specs.definitions import define
@@ -256,7 +256,7 @@ def _check_limp(spec: TaskSpec, document: Document) -> None:
 def _check_safety(spec: TaskSpec, body: Body, document: Document) -> None:
     """The filter needs shapes whose distances it knows, and its name for itself."""
     try:
-        if body.pushed_apart:
+        if pushed_apart(body):
             AvoidCollisions().bind(body, np.inf)
     except (BodyError, PrimitiveError) as problem:
         raise document.error(f"safety: {problem}", ("safety",)) from None

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from primitives import Quantity
-from sim import Body, BodyError, Carry, Shape, Thing, furnished, overlap
+from sim import Body, BodyError, Carry, Thing, furnished, overlap
+from sim.furnishing import Shape
 from specs.conditions import Name, Positive
 from specs.reading import Document, Path_
 from specs.tempo import Clock
