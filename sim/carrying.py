@@ -17,6 +17,7 @@ from sim.errors import BodyError, unknown
 
 FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
+STRETCH = 500  # steps for which places are worked out at once
 
 
 def places_at(body: Body, times: FloatArray) -> FloatArray:
@@ -73,25 +74,48 @@ class Objects:
         self._body, self._links = body, body.objects
         self._place: FloatArray = batch.bind("mocap_pos")  # (n, objects, 3)
         self.speed: FloatArray = np.zeros_like(self._place)  # (n, objects, 3) [m/s]
+        self._still = True  # whether all of them are 0
         planned = {name for name, carried in body.map.objects.items() if carried}
         self._names = [str(body.model.body(int(link)).name) for link in self._links]
         self._planned = np.array([name in planned for name in self._names])
-        last = max((c.start + c.lasts for n in planned for c in body.map.objects[n]), default=0.0)
-        times = np.arange(np.ceil(last / body.timestep) + 2.0) * body.timestep
-        course = places_at(body, times)[:, self._planned]
-        self._course, self._speeds = course, np.diff(course, axis=0, prepend=course[:1])
-        self._speeds /= body.timestep
+        last = max((c.start + c.lasts for n in planned for c in body.map.objects[n]), default=-1.0)
+        self._last = int(np.ceil(last / body.timestep))  # the last step in which one is carried
+        self._first, self._course = 0, np.zeros((0, 0, 3))  # a stretch of what is planned
+        self._given: dict[int, tuple[FloatArray, FloatArray]] = {}  # by a program, for one step
+
+    def ahead(self, time: float) -> bool:
+        """Whether any is carried in the step that begins at a time [s]."""
+        return bool(self._given) or self._step(time) < self._last
 
     def go_on(self, time: float) -> None:
-        """Bring what is carried by plan to where it is one step after a time [s]."""
-        k = round(time / self._body.timestep) + 1
-        if k < len(self._course):
-            self._place[:, self._planned] = self._course[k]
-            self.speed[:, self._planned] = self._speeds[k]
+        """Bring what is carried to where it is one step after a time [s]."""
+        self._still = False
+        self.speed[:] = 0.0
+        k = self._step(time)
+        if k < self._last:
+            before, after = self._planned_at(k)
+            self._place[:, self._planned] = after
+            self.speed[:, self._planned] = (after - before) / self._body.timestep
+        for i, (place, speed) in self._given.items():
+            self._place[:, i], self.speed[:, i] = place, speed
+        self._given.clear()
+
+    def _step(self, time: float) -> int:
+        return round(time / self._body.timestep)
+
+    def _planned_at(self, k: int) -> FloatArray:
+        """Where what is carried by plan is before and after a step (2, planned, 3) [m]."""
+        if not 0 <= k - self._first < len(self._course) - 1:
+            times = self._body.timestep * np.arange(float(k), float(k + STRETCH))
+            self._first, self._course = k, places_at(self._body, times)[:, self._planned]
+        at = k - self._first
+        both: FloatArray = self._course[at : at + 2]
+        return both
 
     def show(self, cvel: FloatArray) -> None:
         """Enter the velocities into those of all links (n, nbody, 6), in MuJoCo's form."""
-        cvel[:, self._links, 3:] = self.speed
+        if not self._still:
+            cvel[:, self._links, 3:] = self.speed
 
     def carry(self, name: str, place: FloatArray | Vector, speed: FloatArray | Vector) -> None:
         """Put an object somewhere, see `World.carry`."""
@@ -100,7 +124,7 @@ class Objects:
         i = self._names.index(name)
         if self._planned[i]:
             raise BodyError(f"{name!r} is carried by its task: nobody else can carry it")
-        self._place[:, i], self.speed[:, i] = place, speed
+        self._given[i] = np.array(place, dtype=float), np.array(speed, dtype=float)
 
     def of(self, simulation: int) -> Carried:
         """Those of one simulation."""
@@ -108,8 +132,10 @@ class Objects:
 
     def put(self, carried: Carried) -> None:
         """Bring all simulations to where those of one are."""
-        self._place[:], self.speed[:] = carried.place, carried.speed
+        self._place[:], self.speed[:], self._still = carried.place, carried.speed, False
 
     def rest(self) -> None:
-        """Let all stand still; where they are MuJoCo knows."""
-        self.speed[:] = 0.0
+        """Let all stand still where MuJoCo has them."""
+        self._given.clear()
+        if not self._still:
+            self.speed[:], self._still = 0.0, True

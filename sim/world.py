@@ -164,9 +164,16 @@ class World:
             self._ctrl[:] = torque[:, self._motors]
         if self._force is not None:
             self._push(self._force)
-        if self._objects is not None:
-            self._objects.go_on(float(self.state.time[0]))
-        self._batch.step(stage=_KINEMATICS)
+        time = float(self.state.time[0])
+        if self._objects is not None and self._objects.ahead(time):
+            # Set between the two calls, so that kinematics are worked out once.
+            self._batch.step(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+            self._objects.go_on(time)
+            self._batch.forward(stage=_KINEMATICS)
+        else:
+            self._batch.step(stage=_KINEMATICS)
+            if self._objects is not None:
+                self._objects.rest()
         self._look()
 
     def carry(
@@ -180,7 +187,8 @@ class World:
         Args:
             name: of the object.
             place: of its middle, (3,) or (n, 3) [m].
-            speed: with which it is carried on, (3,) or (n, 3) [m/s]; what follows it goes by that.
+            speed: that it then has, (3,) or (n, 3) [m/s], until the step after: what follows it
+                goes by that.
 
         Raises:
             BodyError: there is no such object, or its task carries it.

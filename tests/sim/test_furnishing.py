@@ -167,6 +167,9 @@ def test_a_program_can_carry_what_its_task_does_not(body: Body) -> None:
     world.go_back(moment)
     np.testing.assert_allclose(world.state.xpos[:, link, 0], [1.0, 1.0])
     np.testing.assert_allclose(world.state.cvel[:, link, 3], [0.5, 0.5])
+    world.step(still)
+    np.testing.assert_allclose(world.state.xpos[:, link, 0], [1.0, 1.0])
+    assert not world.state.cvel[:, link].any(), "nobody carries it now"
     world.reset()
     np.testing.assert_allclose(world.state.xpos[:, link], [BALL.place] * 2)
     assert not world.state.cvel[:, link].any()
