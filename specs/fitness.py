@@ -148,10 +148,9 @@ def _reaching(name: str, does: GoToPoint, body: Body) -> Fitness:
         return float(np.linalg.norm(places_of(body, qpos, [arm.palm])[0] - target))
 
     joint = joint_to_blame(body, arm.dofs, posture, miss, least=METRES)
-    held = {"to": Place(point=_rounded(found.place))}
     _, palm, _, upper_arm = body.palm_goal(arm, posture)
-    held |= {"palm": _rounded(palm), "upper_arm": _rounded(upper_arm)}
-    instead = does.model_copy(update=held)
+    held = {"palm": _rounded(palm), "upper_arm": _rounded(upper_arm)}
+    instead = does.model_copy(update={"to": Place(point=_rounded(found.place)), **held})
     why = _in_the_way(joint) if joint else _no_joint(body, arm, target, found.miss)
     return Fitness(name, "partly", why, found.miss, "m", joint, instead)
 
