@@ -134,8 +134,10 @@ def _reaching(name: str, does: GoToPoint, body: Body) -> Fitness:
     limbs = {int(dof) for limb in body.map.limbs for dof in body.joints(limb)}
     sunk, link = inside(body, arm, goal, limbs)
     found = best(body, does, limbs, link if sunk <= enough else "")
-    if found.posture is None:
-        return Fitness(name, "reachable")
+    if found.posture is None:  # it is on the arm itself, or on another limb
+        if found.miss <= enough:
+            return Fitness(name, "reachable")
+        return Fitness(name, "partly", "no arm bends so far onto itself", found.miss, "m")
     posture = found.posture[body.qpos_of_dof]
     if found.miss <= enough or found.place is None:
         return _strong(name, body, posture, arm.dofs)
@@ -147,10 +149,17 @@ def _reaching(name: str, does: GoToPoint, body: Body) -> Fitness:
         return float(np.linalg.norm(places_of(body, qpos, [arm.palm])[0] - target))
 
     joint = joint_to_blame(body, arm.dofs, posture, miss, least=METRES)
-    x, y, z = (round(float(c), 3) + 0.0 for c in found.place)
-    instead = does.model_copy(update={"to": Place(point=(x, y, z)), "palm": None})
+    _, palm, _, upper_arm = body.palm_goal(arm, posture)
+    held = {"palm": _rounded(palm), "upper_arm": _rounded(upper_arm)}
+    instead = does.model_copy(update={"to": Place(point=_rounded(found.place)), **held})
     why = _in_the_way(joint) if joint else _no_joint(body, arm, target, found.miss)
     return Fitness(name, "partly", why, found.miss, "m", joint, instead)
+
+
+def _rounded(vector: FloatArray) -> tuple[float, float, float]:
+    """As one would write it."""
+    x, y, z = (round(float(c), 3) + 0.0 for c in vector)
+    return x, y, z
 
 
 def _no_joint(body: Body, arm: Arm, target: FloatArray, short: float) -> str:

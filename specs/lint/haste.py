@@ -124,7 +124,7 @@ def _why(task: BoundTask, move: Move, miss: float) -> str:
 
     if miss > 1.0 and seen.torque.max() > 1.0:
         joint, dof = worst(seen.torque)
-        said = f"the motor of {joint} gives all that it has, {body.torque_limit[dof]:.0f} N m"
+        said = f"the motor of {joint} gives all that it has, {body.torque_limit[dof]:.3g} N m"
     elif seen.speed.max() > 1.0:
         joint, dof = worst(seen.speed)
         limit = np.rad2deg(body.speed_limit[dof])

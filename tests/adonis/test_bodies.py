@@ -144,6 +144,25 @@ def test_a_sub_task_of_joints_that_a_body_lacks_is_refused(tmp_path: Path) -> No
     assert fit["why"] == "there is nothing to move: arm7 has no neck"
 
 
+def test_as_much_as_a_body_can_do_is_done_if_one_asks(tmp_path: Path) -> None:
+    """The judge still wants what the task says; what was tried instead is told."""
+    (tmp_path / "both.yaml").write_text(
+        "task: both\nbackground: [{name: weight, primitive: compensate-gravity}]\nsubtasks:\n"
+        "  - {name: left, primitive: get-posture, limb: left_arm, posture: rest, seconds: 0.2}\n"
+        "  - {name: out, primitive: go-to-point, limb: right_arm, to: {point: [0.9, -0.2, 0.3]},"
+        " seconds: 1.5}\n"
+        "  - {name: up, primitive: get-posture, limb: right_arm, posture: {arm: forward},"
+        " seconds: 1}\n"
+    )
+    asked = ("run", "both.yaml", "--body", "arm7", "--out", "run", "--best-effort")
+    ended = adonis(*asked, cwd=tmp_path)
+    assert ended.returncode == 1
+    assert "1 of 3 sub-tasks succeeded" in ended.stdout
+    said = re.sub(r"\s+", " ", ended.stdout)
+    assert "left: impossible, it was waited for (unknown limb 'left_arm'" in said
+    assert re.search(r"out: the nearest that the body reaches was tried, [0-9.]+ cm short", said)
+
+
 def test_the_body_file_in_the_documentation_is_one(tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs" / "bodies.md").read_text(encoding="utf-8")
     (tmp_path / "shown.yaml").write_text(

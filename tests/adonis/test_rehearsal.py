@@ -16,7 +16,7 @@ from adonis.performing import perform_rehearsal
 from adonis.rehearsal import keeping, searching
 from adonis.rehearsal.keeping import rehearsed, task_text
 from adonis.rehearsal.rehearsing import rehearse
-from adonis.rehearsal.searching import Rehearsed, with_ways
+from adonis.rehearsal.searching import Rehearsed, with_ways, without_ways
 from adonis.rehearsal.stage import Walk, play
 from primitives import GoToPoint
 from sim import Body
@@ -135,6 +135,18 @@ def test_only_hands_without_a_way_are_rehearsed() -> None:
         TEXT.replace("to: head.back_right", "to: head.back_right\n    via: [{near: head.top}]")
     )
     assert [s.lacks_way for s in spec.subtasks] == [False, True]
+
+
+def test_ways_of_touches_can_be_forgotten_and_no_others() -> None:
+    spec, _ = load_task("macarena")
+    forgotten = without_ways(spec)
+    assert forgotten.rehearse
+    for before, after in zip(spec.subtasks, forgotten.subtasks, strict=True):
+        if isinstance(before.does, GoToPoint):
+            assert after.lacks_way
+            assert (after.does.to, after.does.upper_arm) == (before.does.to, None)
+    conductor, _ = load_task("conductor")  # whose hands draw what they beat
+    assert without_ways(conductor).subtasks == conductor.subtasks
 
 
 def test_what_is_known_is_not_looked_for_again(
