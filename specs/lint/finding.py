@@ -83,8 +83,9 @@ class Places:
     ) -> Finding:
         """A finding about an entry, or about what stands below it in the file."""
         position = self._document.where((*self._paths[subtask], *below))
+        file = (position.file if position else "") or self._document.file
         return Finding(
-            severity, code, subtask, what, advice, self._document.file or None,
+            severity, code, subtask, what, advice, file or None,
             position.line if position else None, position.column if position else None,
             tuple(numbers.items()),
         )  # fmt: skip

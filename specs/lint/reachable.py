@@ -34,10 +34,11 @@ def out_of_reach(task: BoundTask, places: Places, moves: Sequence[Move]) -> list
             known[key] = sunk, link, fits
         sunk, link, (miss, nearest, _) = known[key]
         if sunk > allowed:
+            whose = "" if link in body.map.objects else f" of {body.map.name}"
             found.append(
                 places.finding(
                     "error", "inside-body", name,
-                    f"the goal is {cm(sunk)} inside the {link} of {body.map.name}",
+                    f"the goal is {cm(sunk)} inside the {link}{whose}",
                     f"move it out by {cm(sunk)} or more, or name a landmark of the surface",
                     "to", depth=sunk, link=link,
                 )

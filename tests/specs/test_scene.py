@@ -206,3 +206,13 @@ def test_what_cannot_be_set_is_refused(change: str, said: str) -> None:
     with pytest.raises(SpecError) as caught:
         load_task("drumming", changes=[change])
     assert said in str(caught.value)
+
+
+def test_findings_about_what_is_set_stand_there(body: Body) -> None:
+    spec, document = load_task("drumming", changes=["subtasks.r1.down.to=ball.centre"])
+    first = spec.model_copy(update={"subtasks": spec.subtasks[:1]})
+    (finding,) = (
+        f for f in lint_task(bind_task(first, body, document), document) if f.severity == "error"
+    )
+    assert (finding.code, finding.place) == ("inside-body", "--set:1:21")
+    assert finding.what == "the goal is 9.0 cm inside the ball"
