@@ -86,11 +86,13 @@ def bind_as_far(
     from sim import BodyError
     from specs import BestEffort, SpecError, bind_task, find_body, with_controller
 
-    spec, document = load(task, primitives, changes)
+    (spec, document), advice = load(task, primitives, changes), ""
     try:
         if controller is not None:
             spec = with_controller(spec, controller)
         on = find_body(whose(spec, body), limits=limits, contacts=contacts)
+        if whose(spec, body) != whose(spec, None):
+            advice = AS_FAR.format(task=task, body=body)
         spec = fit(spec, on, document, tempo)
         if forget_ways:
             from adonis.rehearsal.searching import without_ways
@@ -100,11 +102,8 @@ def bind_as_far(
             return bind_task(spec, on, document), None
         effort = BestEffort.of(spec, on, document)
         return bind_task(effort.tried, on, document), effort
-    except SpecError as problem:
-        another = whose(spec, body) != whose(spec, None)
-        refuse(problem, AS_FAR.format(task=task, body=body) if another else "")
-    except BodyError as problem:
-        refuse(problem)
+    except (BodyError, SpecError) as problem:
+        refuse(problem, advice)
 
 
 def classes(files: list[str] | None) -> "list[type]":
