@@ -15,8 +15,9 @@ from specs import TaskSpec, bind_task
 
 VIAS = (1, 2, 3)  # via points of the ways that are tried
 FIRST, AGAIN, KEPT = 36, 60, 10  # ways drawn of each family at first, later; the best of them
+MOST = 3  # families that are drawn from again, the most promising first, until a way passes
 ROUNDS, FEWEST = 9, 1  # of drawing from a family again, at most and at least
-LITTLE, PATIENCE = 0.1, 3  # once it passes: share of the cost that so many rounds should save
+LITTLE, PATIENCE = 0.1, 3  # share of the cost that so many rounds should save
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,8 @@ class Search:
         families = [family(detour, self._does, body, start) for detour in detours]
         families += [settled(one, self._does, body, start) for one in families]
         tried = [self._round(one, FIRST) for one in families]
-        for one, rows, costs in sorted(tried, key=lambda t: float(t[2].min())):
+        ranked = sorted(tried, key=lambda t: float(t[2].min()))
+        for one, rows, costs in ranked[:MOST]:
             self._narrow(one, rows, costs)
             if self._grade.passes:
                 break
@@ -127,9 +129,10 @@ class Search:
         """Draw near the best of a family, again and again: the cross-entropy method."""
         history = [np.inf] * PATIENCE
         for _ in range(ROUNDS):
-            history.append(self._grade.cost)
-            calm = self._grade.passes and history[-1] > (1.0 - LITTLE) * history[-1 - PATIENCE]
-            if calm or (self._grade.comfortable and len(history) > FEWEST + PATIENCE):
+            history.append(float(costs.min()))
+            if history[-1] > (1.0 - LITTLE) * history[-1 - PATIENCE]:
+                break
+            if self._grade.comfortable and len(history) > FEWEST + PATIENCE:
                 break
             best = np.argsort(costs, kind="stable")[:KEPT]
             one, fresh, more = self._round(one.near(rows[best]), AGAIN)
