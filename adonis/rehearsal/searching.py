@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adonis.rehearsal.candidates import Family, FloatArray, family, near_way, settled
-from adonis.rehearsal.grading import FAILED, Grade, grade, hindered
+from adonis.rehearsal.grading import FAILED, HOPELESS, Grade, grade, hindered
 from adonis.rehearsal.outlook import outlook
 from adonis.rehearsal.stage import Scene, play
 from primitives import GoToPoint
@@ -15,7 +15,7 @@ from specs import TaskSpec, bind_task
 
 VIAS = (1, 2, 3)  # via points of the ways that are tried
 FIRST, AGAIN, KEPT = 36, 60, 10  # ways drawn of each family at first, later; the best of them
-MOST = 3  # families that are drawn from again, the most promising first, until a way passes
+MOST = 3  # families that are drawn from again where nothing comes near to passing
 ROUNDS, FEWEST = 9, 1  # of drawing from a family again, at most and at least
 LITTLE, PATIENCE = 0.1, 3  # share of the cost that so many rounds should save
 
@@ -120,17 +120,18 @@ class Search:
         families += [settled(one, self._does, body, start) for one in families]
         tried = [self._round(one, FIRST) for one in families]
         ranked = sorted(tried, key=lambda t: float(t[2].min()))
-        for one, rows, costs in ranked[:MOST]:
-            self._narrow(one, rows, costs)
-            if self._grade.passes:
+        for k, (one, rows, costs) in enumerate(ranked):
+            if self._grade.passes or (k >= MOST and self._grade.cost > HOPELESS):
                 break
+            self._narrow(one, rows, costs)
 
     def _narrow(self, one: Family, rows: FloatArray, costs: FloatArray) -> None:
         """Draw near the best of a family, again and again: the cross-entropy method."""
         history = [np.inf] * PATIENCE
         for _ in range(ROUNDS):
             history.append(float(costs.min()))
-            if history[-1] > (1.0 - LITTLE) * history[-1 - PATIENCE]:
+            stalls = history[-1] > (1.0 - LITTLE) * history[-1 - PATIENCE]
+            if stalls and (self._grade.passes or history[-1] > HOPELESS):
                 break
             if self._grade.comfortable and len(history) > FEWEST + PATIENCE:
                 break
