@@ -8,6 +8,7 @@ from specs.english.sentences import Noun, Word
 from specs.english.steps import SIDES, opposite
 
 Held = dict[str, Any]  # arm, elbow, palm: as a posture says it
+At = str | dict[str, Any]  # a place, as go-to-point has it
 HANGING: Held = {"arm": "down", "elbow": "straight"}
 
 
@@ -31,6 +32,7 @@ class Context:
 
     last: tuple[str, ...] = ()  # sides of the arms that were moved last
     arms: dict[str, Held | None] = field(default_factory=lambda: dict.fromkeys(SIDES, HANGING))
+    at: dict[str, At | None] = field(default_factory=lambda: dict.fromkeys(SIDES))
     raised: set[str] = field(default_factory=set)  # arms that are up, to wave
     both: str = ""  # "sentence" or "before": both arms were named last, in this sentence or before
     mirrored: bool = False  # whether left is right: "repeat with the other hand"
@@ -42,6 +44,20 @@ class Context:
     def side(self, said: str) -> str:
         """The side that a word means."""
         return opposite(said) if self.mirrored and said in SIDES else said
+
+    def put(
+        self, side: str, held: Held | None = None, at: At | None = None, *, up: bool = False
+    ) -> None:
+        """Note what is known of an arm now.
+
+        Args:
+            side: its side.
+            held: the posture it is held in, if it is a posture.
+            at: the place its hand is at, if that was brought to one.
+            up: whether it is up, from where it can wave.
+        """
+        self.arms[side], self.at[side] = held, at
+        (self.raised.add if up else self.raised.discard)(side)
 
     def hands(
         self, noun: Noun | None, *, default: str = "", both: bool = False, place: bool = False

@@ -1,6 +1,6 @@
 """What verbs have in common: which arm a step moves, and how its reasons are told."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from specs.english.context import Context, Hands
@@ -57,17 +57,12 @@ def size_of(roles: Roles) -> float:
     return size
 
 
-def moved(context: Context, hands: Hands) -> None:
-    """Note that hands went somewhere: how their arms are held is not known any more."""
-    for side in hands.sides:
-        context.arms[side] = None
-        raised(context, side, up=False)
+def moved(context: Context, hands: Hands, steps: Iterable[Step]) -> None:
+    """Note that hands went to places: how their arms are held is not known any more."""
+    for step in steps:
+        at = step.parameters.get("to") if step.primitive == "go-to-point" else None
+        context.put(str(step.parameters["limb"]).removesuffix("_arm"), at=at)
     context.last = hands.sides
-
-
-def raised(context: Context, side: str, *, up: bool) -> None:
-    """Note whether an arm is up, from where it can wave."""
-    (context.raised.add if up else context.raised.discard)(side)
 
 
 def quoted_noun(noun: Noun) -> str:

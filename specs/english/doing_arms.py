@@ -15,24 +15,14 @@ from specs.english.doing import (
     hands_of,
     limb,
     quoted,
-    raised,
     shown,
     size_of,
     step_of,
 )
-from specs.english.places import VECTORS, direction, facing
+from specs.english.places import OPPOSITE, VECTORS, direction, facing
 from specs.english.problems import Problem
 from specs.english.roles import Roles
 from specs.english.steps import SIDES, Step, plain
-
-OVER = {
-    "up": "down",
-    "down": "up",
-    "forward": "back",
-    "back": "forward",
-    "left": "right",
-    "right": "left",
-}
 
 
 def arm(roles: Roles, sense: Sense, context: Context) -> Stages:
@@ -63,8 +53,7 @@ def arm(roles: Roles, sense: Sense, context: Context) -> Stages:
             posture["palm"] = facing(roles.palm[-1], side, context)
             step.because(roles.palm[-1].words, "posture", f"palm: {posture['palm']}")
         step.parameters["posture"] = posture
-        context.arms[side] = dict(posture)
-        raised(context, side, up=posture["arm"] == "up")
+        context.put(side, dict(posture), up=posture["arm"] == "up")
         steps.append(step)
     context.last = hands.sides
     return [steps]
@@ -117,8 +106,7 @@ def rest(roles: Roles, sense: Sense, context: Context) -> Stages:
             step.assume("'back' is to the posture of rest; behind you is 'backward'")
         if not roles.ways:
             step.assume("lowered to the posture of rest")
-        context.arms[side] = HANGING
-        raised(context, side, up=False)
+        context.put(side, HANGING)
         steps.append(step)
     context.last = hands.sides
     return [steps]
@@ -148,7 +136,7 @@ def elbow(roles: Roles, sense: Sense, context: Context) -> Stages:
     if hands.assumed:
         step.assume(hands.assumed)
     for side in hands.sides:
-        context.arms[side] = None
+        context.put(side, up=side in context.raised)
     context.last = hands.sides
     return [[step]]
 
@@ -168,13 +156,13 @@ def palm(roles: Roles, sense: Sense, context: Context) -> Stages:
             )
         step = limb(hands, step_of(roles, "get-posture", side), side)
         if sense.get("over") or (ways and ways[-1].key == "over"):
-            if held.get("palm") not in OVER:
+            if held.get("palm") not in OPPOSITE:
                 raise Problem.of(
                     f"which way the {side} palm faces is not known here: say 'palm up' or"
                     " 'palm down'",
                     roles.clause.words,
                 )
-            facing_ = OVER[str(held["palm"])]
+            facing_ = OPPOSITE[str(held["palm"])]
             step.because(
                 ways[-1].words if ways else roles.clause.words[:1], "posture", f"palm: {facing_}"
             )
@@ -189,7 +177,7 @@ def palm(roles: Roles, sense: Sense, context: Context) -> Stages:
         posture = {"arm": held["arm"], "elbow": held.get("elbow", "straight"), "palm": facing_}
         step.parameters["posture"] = posture
         step.assume(f"arm {shown(held['arm'])} as before, elbow {posture['elbow']}")
-        context.arms[side] = posture
+        context.put(side, posture, up=side in context.raised)
         steps.append(step)
     context.last = hands.sides
     return [steps]
@@ -211,8 +199,7 @@ def relax(roles: Roles, sense: Sense, context: Context) -> Stages:
         else:
             step.assume("floats where it is, its weight still carried; 'drop' lets it fall")
         step.lasting = True
-        context.arms[side] = None
-        raised(context, side, up=False)
+        context.put(side)
         steps.append(step)
     context.last = hands.sides
     return [steps]

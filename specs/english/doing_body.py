@@ -5,7 +5,7 @@ from typing import Any
 
 from specs.english.context import HANGING, Context, Hands
 from specs.english.doing import Sense, Stages, hands_of, limb, shown, size_of, step_of
-from specs.english.places import VECTORS, direction, landmark
+from specs.english.places import VECTORS, direction, facing, landmark
 from specs.english.problems import Problem
 from specs.english.roles import Roles, Way
 from specs.english.sentences import Phrase, Word
@@ -131,8 +131,7 @@ def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     if swing.get("raised") and low:
         stages.insert(0, [_lifted(roles, hands, side) for side in low])
         for side in low:
-            context.arms[side] = None
-            context.raised.add(side)
+            context.put(side, up=True)
     if hands.sides:
         context.last = hands.sides
     return stages
@@ -257,8 +256,7 @@ def point(roles: Roles, sense: Sense, context: Context) -> Stages:
         for said in assumed:
             step.assume(said)
         step.lasting = True
-        context.arms[side] = None
-        context.raised.discard(side)
+        context.put(side)
         steps.append(step)
     context.last = hands.sides
     return [steps]
@@ -299,8 +297,11 @@ def follow(roles: Roles, sense: Sense, context: Context) -> Stages:
     )
     step.because(at.words, "to", f"{other} hand")
     step.assume("10 cm from its palm")
+    if roles.palm:
+        step.parameters["palm"] = facing(roles.palm[-1], side, context)
+        step.because(roles.palm[-1].words, "palm", str(step.parameters["palm"]))
     step.lasting = True
-    context.arms[side] = None
+    context.put(side)
     context.last = (side,)
     return [[step]]
 
@@ -382,8 +383,7 @@ def home(roles: Roles, sense: Sense, context: Context) -> Stages:
         "the posture of rest, with the whole body; to dance it again say 'Repeat everything'"
     )
     for side in SIDES:
-        context.arms[side] = HANGING
-    context.raised.clear()
+        context.put(side, HANGING)
     context.both = ""
     return [[step]]
 

@@ -15,6 +15,7 @@ from specs.english.doing import (
     step_of,
     times_of,
 )
+from specs.english.other_hand import is_hand, to_other_hand
 from specs.english.places import facing, place
 from specs.english.problems import Problem
 from specs.english.roles import Roles
@@ -36,6 +37,8 @@ def _goers(roles: Roles, context: Context, where: Noun) -> Hands:
         return hands_of(roles, context)
     if roles.hand is not None:
         return context.hands(roles.hand)
+    if where.what in ("arm", "palm") and not where.plural:
+        return context.hands(None, default=opposite(context.hands(where).sides[0]), place=True)
     meaning = where.noun.entry.meaning if where.noun else {}
     if where.plural and "side" in meaning:
         return context.hands(None, both=True)
@@ -67,8 +70,8 @@ def reach(roles: Roles, sense: Sense, context: Context) -> Stages:
     hands = _goers(roles, context, where.noun)
     steps = []
     for side in hands.sides:
-        if where.noun.what in ("arm", "palm") or where.noun.pronoun is not None:
-            steps.append(_to_hand(roles, where, hands, side, context))
+        if is_hand(where):
+            steps.append(to_other_hand(roles, where, hands, side, context))
             continue
         across = bool(sense.get("across"))
         to, assumed = place(where, side, context, both=hands.both, across=across)
@@ -81,7 +84,7 @@ def reach(roles: Roles, sense: Sense, context: Context) -> Stages:
             step.because(roles.palm[-1].words, "palm", str(step.parameters["palm"]))
         steps.append(step)
     _two_places(steps, where)
-    moved(context, hands)
+    moved(context, hands, steps)
     return [steps]
 
 
@@ -103,22 +106,23 @@ def _two_places(steps: list[Step], where: Phrase) -> None:
         )
 
 
-def _to_hand(roles: Roles, where: Phrase, hands: Hands, side: str, context: Context) -> Step:
-    """One hand goes to the other."""
-    assert where.noun is not None
-    goal = context.hands(where.noun)
-    if goal.sides != (opposite(side),):
-        raise Problem.of(f"the {side} hand cannot go to itself", where.words)
-    step = limb(hands, step_of(roles, "follow", side, to={"hand": f"{opposite(side)}_arm"}), side)
-    return step.because(where.words, "to", f"{opposite(side)} hand")
-
-
 def tap(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Touch a place so many times, the hand a little off it between."""
     stages = reach(roles, sense, context)
     for step in stages[0]:
-        if step.primitive != "go-to-point" or not isinstance(step.parameters["to"], str):
-            continue
+        where = _target(roles)
+        if is_hand(where):
+            side = str(step.parameters["limb"]).removesuffix("_arm")
+            raise Problem.of(
+                f"{roles.verb!r} is done on places of head and trunk, on shoulders and elbows, not"
+                f" on a hand: say 'Clap', or 'Touch your {opposite(side)} hand with your {side}"
+                " hand'",
+                where.words,
+            )
+        if not isinstance(step.parameters["to"], str):
+            raise Problem.of(
+                f"{where.text!r}: {roles.verb!r} touches a place: say 'on'", where.words
+            )
         off = {"near": step.parameters["to"], "away": TAP_AWAY, "at": 0.5}
         step.parameters["via"] = [off]
         times = times_of(roles, 1)
@@ -135,7 +139,7 @@ def reach_to(roles: Roles, sense: Sense, context: Context) -> Stages:
         to = str(sense["to"]).format(hand=side, other=opposite(side))
         step = limb(hands, step_of(roles, "go-to-point", side, to=to), side)
         steps.append(step.assume(f"to {to}"))
-    moved(context, hands)
+    moved(context, hands, steps)
     return [steps]
 
 
@@ -180,7 +184,7 @@ def press(roles: Roles, sense: Sense, context: Context) -> Stages:
             step.because(phrase.words, "to", shown(near))
         if not roles.places:
             step.assume("25 cm in front of the chest")
-    moved(context, hands)
+    moved(context, hands, steps)
     return [steps]
 
 
@@ -206,5 +210,5 @@ def clap(roles: Roles, sense: Sense, context: Context) -> Stages:
         if times > 1:
             step.own["repeat"] = times
         steps.append(step.assume("in front of the chest"))
-    moved(context, hands)
+    moved(context, hands, steps)
     return [steps]

@@ -126,7 +126,7 @@ def _fitting(
             nouns = ("NOUN", "DETERMINER", "SIDE", "PART", "OTHER", "BOTH", "STEP")
             return kinds[kind] if following in nouns else next(e for e in entries if e.kind != kind)
     if "DIRECTION" in kinds and "PREPOSITION" in kinds:
-        nouns = ("NOUN", "DETERMINER", "SIDE", "PART", "NUMBER", "BOTH", "OTHER")
+        nouns = ("NOUN", "PRONOUN", "DETERMINER", "SIDE", "PART", "NUMBER", "BOTH", "OTHER")
         return kinds["PREPOSITION" if following in nouns else "DIRECTION"]
     rest = [entry for entry in entries if entry.kind not in ("VERB", "WHEN", "LINKING", FILLER)]
     return rest[0] if rest else entries[0]

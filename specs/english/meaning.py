@@ -32,7 +32,7 @@ USES: dict[str, tuple[Callable[[Roles, Sense, Context], Stages], set[str]]] = {
     "rhythm": (doing_body.rhythm, {"object", "hand", "ways", "angle"}),
     "look": (doing_body.look, {"object", "places"}),
     "point": (doing_body.point, {"object", "hand", "places", "ways"}),
-    "follow": (doing_body.follow, {"object", "hand", "places"}),
+    "follow": (doing_body.follow, {"object", "hand", "places", "palm"}),
     "wait": (doing_body.wait, {"ways"}),
     "home": (doing_body.home, {"places", "ways"}),
 }
@@ -65,6 +65,7 @@ def stages_of(roles: Roles, context: Context) -> Stages:
         for step in stages[-1]:
             step.because(way.words, "primitive", step.primitive)
     set_times(roles, stages, does, context)
+    _nothing_dropped(roles, stages)
     return stages
 
 
@@ -98,7 +99,7 @@ def _convert(roles: Roles, senses: Sequence[Sense]) -> None:
     whole = (
         roles.object is not None
         and roles.object.noun is not None
-        and roles.object.noun.entry.key == "arm"
+        and roles.object.noun.entry.key in ("arm", "forearm")
     )
     if any(s["does"] in TARGETED for s in senses) or not (
         posture or (whole and "direction" in wanted)
@@ -133,9 +134,11 @@ def _of(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
             return what in ("arm", "palm", "")
         case "place":
             if noun is None or noun.noun is None:
-                return noun is not None and sense["does"] in TARGETED
+                it = noun is not None and noun.pronoun is not None and roles.hand is not None
+                return it or (noun is not None and sense["does"] in TARGETED)
             known = {"place", "parts", "point"} & noun.noun.entry.meaning.keys()
-            return bool(known) or sense["does"] in TARGETED or roles.hand is not None
+            hand = what in ("arm", "palm") and bool(noun.side) and not noun.plural
+            return bool(known) or hand or sense["does"] in TARGETED or roles.hand is not None
         case kind:
             return bool(what == kind)
     return False
@@ -218,6 +221,20 @@ def _nothing_left(roles: Roles, does: str, uses: set[str]) -> None:
                 )
     if roles.tempo is not None:
         raise Problem.of("the tempo is said in a sentence of its own", roles.tempo.words)
+
+
+def _nothing_dropped(roles: Roles, stages: Stages) -> None:
+    """Every word is the reason of something that a step does; else it is refused."""
+    told = {
+        word
+        for stage in stages
+        for step in stage
+        for reason in step.reasons
+        for word in reason.words
+    }
+    for words in roles.unused({"together"}):  # which is for the order of clauses
+        if not told.issuperset(words):
+            raise Problem.of(f"{_text(words)!r} has no meaning with {roles.verb!r}", words)
 
 
 def _quoted(noun: Noun) -> str:

@@ -19,6 +19,14 @@ VECTORS = {
     "down": (0, 0, -1),
 }
 FACES = {"up": "top", "forward": "front", "back": "back", "left": "side", "right": "side"}
+OPPOSITE = {
+    "up": "down",
+    "down": "up",
+    "forward": "back",
+    "back": "forward",
+    "left": "right",
+    "right": "left",
+}
 MOST_AWAY = 2.0  # [m]
 
 
@@ -58,13 +66,9 @@ def landmark(noun: Noun, hand: str, context: Context, *, both: bool = False) -> 
             template = meaning["opposite"]
             assumed = assumed or f"the {hand} hand touches the front of it"
     name = template.format(side=side, hand=hand, other=opposite(hand))
-    if (
-        noun.part is None
-        and not noun.side
-        and name.split(".")[0] != noun.noun.entry.key
-        and not assumed
-    ):
-        assumed = f"{_text(noun)!r} is {name}"
+    if noun.part is None and name.split(".")[0].removeprefix(f"{side}_") != noun.noun.entry.key:
+        told = f"{_text(noun)!r} is {name}"
+        assumed = told if not assumed or noun.side else f"{told}, for the {hand} hand"
     return name, assumed
 
 
@@ -112,7 +116,7 @@ def place(
     assert noun is not None
     relation = phrase.preposition.entry.key if phrase.preposition else "to"
     meaning = noun.noun.entry.meaning if noun.noun else {}
-    distance = _metres(phrase)
+    distance = metres(phrase)
     if relation == "over" and across:
         relation = "across"
     if relation == "over":
@@ -166,15 +170,16 @@ def _near(
     return {"near": name, "offset": [plain(distance * c) for c in VECTORS[way]]}, assumed
 
 
-def _metres(phrase: Phrase) -> float | None:
+def metres(phrase: Phrase) -> float | None:
+    """The distance that is said of a place [m]; None if none is."""
     if not phrase.numbers or phrase.unit is None:
         return None
     if "metres" not in phrase.unit.entry.meaning:
         raise Problem.of(f"{phrase.text!r}: expected a length, such as '10 cm'", phrase.words)
-    metres = phrase.numbers[0] * float(phrase.unit.entry.meaning["metres"])
-    if metres > MOST_AWAY:
-        raise Problem.of(f"{metres:g} m is farther than an arm is long", phrase.words)
-    return metres
+    away = phrase.numbers[0] * float(phrase.unit.entry.meaning["metres"])
+    if away > MOST_AWAY:
+        raise Problem.of(f"{away:g} m is farther than an arm is long", phrase.words)
+    return away
 
 
 def convert(phrase: Phrase) -> str | None:

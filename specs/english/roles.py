@@ -288,8 +288,10 @@ def _is_limb(phrase: Phrase) -> bool:
 
 def _is_place(phrase: Phrase) -> bool:
     noun = phrase.noun
-    if noun is None or noun.what in ("palm", "") or phrase.kind not in ("thing", "place"):
+    if noun is None or noun.what == "palm" or phrase.kind not in ("thing", "place"):
         return False
+    if not noun.what:
+        return noun.pronoun is not None and phrase.kind == "place"
     if phrase.preposition is not None and phrase.preposition.entry.key in ("with", "for"):
         return False
     return phrase.kind == "place" or noun.what not in LIMBS

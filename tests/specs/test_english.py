@@ -39,10 +39,14 @@ def meaning(text: str) -> list[dict[str, object]]:
 
 
 @pytest.mark.parametrize("row", TABLE["means"], ids=lambda row: row["say"].strip())
-def test_a_sentence_means(row: dict) -> None:
+def test_a_sentence_means(row: dict, body: Body) -> None:
     assert meaning(row["say"]) == row["means"]
     spec, document = task_from_text(row["say"], "said.txt")
-    build_graph(spec, document)
+    if "beyond" not in row:
+        bind_task(spec, body, document)  # what is said so is not refused by the body
+    else:
+        with pytest.raises(SpecError, match=row["beyond"]):
+            bind_task(spec, body, document)
     assert task_from_text(task_to_yaml(spec))[0] == spec
 
 
@@ -156,6 +160,23 @@ def test_good_lines_are_explained_beside_bad_ones() -> None:
     for step in ("-> 1-nod-neck-y: oscillate", "-> 4-bow-waist: get-posture"):
         assert step in explained
     assert explained.index("Shimmy\n") > explained.index("not of 'your left elbow'")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("Touch your left ear.", "'your left ear' is head.left"),
+        ("Put your left hand on your right upper arm.", "upper arm' is right_elbow.inside"),
+        ("Put your right hand on your waist.", "'your waist' is right_hip, for the right hand"),
+        ("Touch your left wrist.", "'your left wrist' is the palm of the left hand"),
+    ],
+)
+def test_what_was_assumed_is_told(text: str, told: str) -> None:
+    """Whatever a person would not read in the sentence."""
+    assumed = [
+        line for line in explain(read_lesson(text, "a.txt")).split("\n") if "assumed" in line
+    ]
+    assert told in " ".join(assumed)
 
 
 def test_how_long_what_goes_beside_lasts_is_told_once() -> None:
