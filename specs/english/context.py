@@ -35,6 +35,8 @@ class Context:
     at: dict[str, At | None] = field(default_factory=lambda: dict.fromkeys(SIDES))
     raised: set[str] = field(default_factory=set)  # arms that are up, to wave
     both: str = ""  # "sentence" or "before": both arms were named last, in this sentence or before
+    apart: bool = False  # each hand went its own way at the same time: "it" could be either
+    turned: float = 0.0  # of the trunk, to the left [degrees]
     mirrored: bool = False  # whether left is right: "repeat with the other hand"
 
     def begin(self) -> None:
@@ -81,6 +83,7 @@ class Context:
     def _named(self, noun: Noun) -> Hands:
         words = noun.words
         if noun.side and not noun.both:
+            self.apart = False
             return Hands((self.side(noun.side),), words)
         if noun.other:
             if len(self.last) != 1:
@@ -93,7 +96,7 @@ class Context:
         key = noun.pronoun.entry.key if noun.pronoun else ""
         if noun.plural or key == "them":
             return Hands(SIDES, words)
-        if len(self.last) == 1:
+        if len(self.last) == 1 and not self.apart:
             return Hands(self.last, words, f"{_text(noun)!r} is the {self.last[0]} one, used last")
         if key == "it":
             raise Problem.of(

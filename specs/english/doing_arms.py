@@ -5,6 +5,7 @@ stages, one after the other, each a list of steps at the same time. `USES` says 
 a use for besides those of time.
 """
 
+from dataclasses import replace
 from math import cos, radians, sin
 from typing import Any
 
@@ -23,6 +24,13 @@ from specs.english.places import OPPOSITE, VECTORS, direction, facing
 from specs.english.problems import Problem
 from specs.english.roles import Roles
 from specs.english.steps import SIDES, Step, plain
+
+BENT_FOR_PALM = 35  # [degrees] of the elbow; from 30 on the wrist can do it
+# The upper arm hangs beside the ribs, the forearm is held out.
+FOREARM_OUT: dict[str, dict[str, Any]] = {
+    "right": {"arm": [1, -0.5, -1], "elbow": 90},
+    "left": {"arm": [1, 0.5, -1], "elbow": 90},
+}
 
 
 def arm(roles: Roles, sense: Sense, context: Context) -> Stages:
@@ -52,11 +60,36 @@ def arm(roles: Roles, sense: Sense, context: Context) -> Stages:
         if roles.palm:
             posture["palm"] = facing(roles.palm[-1], side, context)
             step.because(roles.palm[-1].words, "posture", f"palm: {posture['palm']}")
+        elif "palm" in sense:
+            _push_with_palm(posture, step)
+        elif roles.object is not None and roles.object.what == "palm":
+            step.assume("the palm faces as it comes")
+        if not roles.elbow and not roles.states:
+            _bend_for_palm(posture, step)
         step.parameters["posture"] = posture
         context.put(side, dict(posture), up=posture["arm"] == "up")
         steps.append(step)
     context.last = hands.sides
     return [steps]
+
+
+def _push_with_palm(posture: dict[str, Any], step: Step) -> None:
+    """What is pushed is pushed with the palm."""
+    if isinstance(posture["arm"], str):
+        posture["palm"] = posture["arm"]
+        step.assume(f"palm {posture['palm']}, the way it is pushed")
+
+
+def _bend_for_palm(posture: dict[str, Any], step: Step) -> None:
+    """No wrist turns the palm the way that a straight arm points: bend the elbow, if it is free."""
+    way, palm = posture["arm"], posture.get("palm")
+    if not isinstance(way, str) or palm not in (way, OPPOSITE[way]):
+        return
+    if posture["elbow"] != "straight":
+        return
+    posture["elbow"] = BENT_FOR_PALM
+    step.assumed = [said for said in step.assumed if said != "elbow straight"]
+    step.assume(f"elbow bent by {BENT_FOR_PALM} degrees: with a straight arm no palm faces {palm}")
 
 
 def _elbow(roles: Roles, sense: Sense, step: Step) -> str | float:
@@ -92,6 +125,16 @@ def _tilted(way: str | list[float], degrees: float) -> list[float]:
 
 def rest(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Let an arm hang as at the beginning: get-posture rest."""
+    if roles.palm or roles.elbow or roles.states:  # how a lowered arm is held
+        stages = arm(replace(roles, ways=[]), {"arm": "down"}, context)
+        for step in stages[0]:
+            side = str(step.parameters["limb"]).removesuffix("_arm")
+            if step.parameters["posture"]["elbow"] == FOREARM_OUT[side]["elbow"]:
+                step.parameters["posture"] |= FOREARM_OUT[side]
+                context.put(side, dict(step.parameters["posture"]))
+                step.assumed = [said for said in step.assumed if not said.startswith("arm down")]
+                step.assume("the upper arm hangs")
+        return stages
     returns = sense.get("with") == "return"
     for way in roles.ways if not returns else ():
         if way.key not in ("rest", "down"):
@@ -175,8 +218,14 @@ def palm(roles: Roles, sense: Sense, context: Context) -> Stages:
                 roles.clause.words,
             )
         posture = {"arm": held["arm"], "elbow": held.get("elbow", "straight"), "palm": facing_}
+        if held["arm"] == "down" and facing_ == "up":
+            posture |= FOREARM_OUT[side]
+            step.assume("elbow bent by 90 degrees: a hanging arm has no palm up")
+        else:
+            step.assume(f"arm {shown(held['arm'])} as before")
+            step.assume(f"elbow {posture['elbow']}")
+            _bend_for_palm(posture, step)
         step.parameters["posture"] = posture
-        step.assume(f"arm {shown(held['arm'])} as before, elbow {posture['elbow']}")
         context.put(side, posture, up=side in context.raised)
         steps.append(step)
     context.last = hands.sides

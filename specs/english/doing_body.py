@@ -57,7 +57,16 @@ def turn(roles: Roles, sense: Sense, context: Context) -> Stages:
         step.assume(f"by {shown} degrees")
     elif roles.angle is not None:
         raise Problem.of(f"{roles.angle.number:g} degrees which way?", roles.angle.words)
-    step.parameters["posture"] = {j: plain(angles.get(j, 0.0)) for j in JOINTS[group]}
+    posture = {j: plain(angles.get(j, 0.0)) for j in JOINTS[group]}
+    step.parameters["posture"] = posture
+    if group == "waist":
+        context.turned = posture["waist_z"]
+    elif context.turned and not angles:
+        way, back = ("left", "right") if context.turned > 0 else ("right", "left")
+        step.assume(
+            f"forward of the trunk, which is turned to the {way}: to face the front say 'Turn your"
+            f" head {abs(context.turned):g} degrees to the {back}'"
+        )
     return [[step]]
 
 
@@ -107,9 +116,10 @@ def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     size = size_of(roles)
     if roles.angle is not None:
         size *= roles.angle.number / max(s["amplitude"] for s in swing["joints"].values())
+    behind = _alternating(roles, hands)
     for k, side in enumerate(hands.sides or ("",)):
         for joint, how in swing["joints"].items():
-            lag = how.get("lag", 0) + k * swing.get("apart", 0)
+            lag = how.get("lag", 0) + k * behind
             swung = {"amplitude": plain(how["amplitude"] * size)}
             joints[joint.format(side=side)] = swung | ({"lag": lag} if lag else {})
     group = next(iter(joints)).split("_")[0]
@@ -124,6 +134,10 @@ def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
         step.because(roles.angle.words, "joints", f"{roles.angle.number:g} degrees")
     if hands.assumed:
         step.assume(hands.assumed)
+    if behind:
+        step.because(roles.in_turn, "joints", "one arm half a swing after the other")
+    elif hands.both:
+        step.assume("both together; else say 'alternately'")
     _first(roles, swing, step, context)
     _pace(roles, swing, step)
     stages: Stages = [[step]]
@@ -135,6 +149,20 @@ def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     if hands.sides:
         context.last = hands.sides
     return stages
+
+
+def _alternating(roles: Roles, hands: Hands) -> float:
+    """By how many degrees the second arm swings later than the first."""
+    if not roles.in_turn:
+        return 0.0
+    text = _text(roles.in_turn)
+    if not hands.both:
+        raise Problem.of(f"{text!r} goes with two arms", roles.in_turn)
+    if roles.in_turn[0].entry.key != "alternately":
+        raise Problem.of(
+            f"{text!r}: a rhythm is said of each arm by itself, or 'alternately'", roles.in_turn
+        )
+    return 180
 
 
 def _waving(roles: Roles, context: Context) -> Hands:
@@ -384,7 +412,7 @@ def home(roles: Roles, sense: Sense, context: Context) -> Stages:
     )
     for side in SIDES:
         context.put(side, HANGING)
-    context.both = ""
+    context.both, context.turned = "", 0.0
     return [[step]]
 
 

@@ -21,9 +21,11 @@ from specs.english.problems import Problem
 from specs.english.roles import Roles
 from specs.english.sentences import Noun, Phrase
 from specs.english.steps import SIDES, Step, opposite, plain
+from specs.english.vocabulary import vocabulary
 
 TAP_AWAY = 0.08  # [m] off the surface between two taps
-CLAP = {"near": "chest.front", "away": 0.25}  # where hands meet
+CLAP: Mapping[str, Any] = {"near": "chest.front", "away": 0.25}  # where hands meet
+OVERHEAD: Mapping[str, Any] = {"near": "head.top", "away": 0.15}  # and where, if they are up
 APART, TOGETHER = 0.12, 0.012  # of each palm from the middle [m]
 
 
@@ -131,6 +133,29 @@ def tap(roles: Roles, sense: Sense, context: Context) -> Stages:
     return stages
 
 
+def gather(roles: Roles, sense: Sense, context: Context) -> Stages:
+    """Bring hands in: to the front of the chest, side by side."""
+    hands = hands_of(roles, context)
+    away = float(vocabulary().defaults["away"])
+    (way,) = roles.ways
+    steps = []
+    for side in hands.sides:
+        out = 0.0 if not hands.both else APART if side == "left" else -APART
+        to: dict[str, Any] = {"near": CLAP["near"], "away": away}
+        to |= {"offset": [0, out, 0]} if out else {}
+        step = limb(hands, step_of(roles, "go-to-point", side, to=to), side)
+        step.because(way.words, "to", shown(to))
+        step.assume(f"{100 * away:g} cm in front of the chest")
+        if out:
+            step.assume(f"side by side, {200 * APART:g} cm apart")
+        if roles.palm:
+            step.parameters["palm"] = facing(roles.palm[-1], side, context)
+            step.because(roles.palm[-1].words, "palm", str(step.parameters["palm"]))
+        steps.append(step)
+    moved(context, hands, steps)
+    return [steps]
+
+
 def reach_to(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Bring a palm to the place that the verb means."""
     hands = hands_of(roles, context)
@@ -168,27 +193,45 @@ def press(roles: Roles, sense: Sense, context: Context) -> Stages:
     for other in roles.ways:
         if other is not way:
             raise Problem.of(f"{quoted(other.words)} and together?", other.words)
-    near: dict[str, Any] = dict(CLAP)
-    if roles.places:
-        to, _ = place(_target(roles), "right", context, both=True)
-        if isinstance(to, str) or "offset" in to:
-            raise Problem.of(
-                f"{roles.places[0].text!r}: hands come together in front of a place",
-                roles.places[0].words,
-            )
-        near = to
+    near, assumed = _middle(roles, context)
     steps = [_meeting(roles, hands, side, near) for side in hands.sides]
     for step in steps:
         step.because(way.words, "to", "palm to palm")
         for phrase in roles.places:
             step.because(phrase.words, "to", shown(near))
-        if not roles.places:
-            step.assume("25 cm in front of the chest")
+        step.assume(assumed)
     moved(context, hands, steps)
     return [steps]
 
 
-def _meeting(roles: Roles, hands: Hands, side: str, near: Mapping[str, Any] = CLAP) -> Step:
+def _middle(roles: Roles, context: Context) -> tuple[Mapping[str, Any], str]:
+    """Where palms meet, and what was assumed of it: where it is said, or in front of the chest."""
+    if not roles.places:
+        return CLAP, f"{100 * CLAP['away']:g} cm in front of the chest"
+    to, assumed = place(_target(roles), "right", context, both=True)
+    if isinstance(to, str) or "offset" in to:
+        raise Problem.of(
+            f"{roles.places[0].text!r}: hands come together in front of a place or above it",
+            roles.places[0].words,
+        )
+    return to, "; ".join(assumed)
+
+
+def _between(context: Context) -> Mapping[str, Any] | None:
+    """The place between two hands that are side by side near one, or up; None if they are not."""
+    right, left = (context.at[side] for side in SIDES)
+    if isinstance(right, dict) and isinstance(left, dict):
+        (x, _, z), near = right.get("offset", (0, 0, 0)), _without_offset(right)
+        return near if (x, z) == (0, 0) and near == _without_offset(left) else None
+    up = all((context.arms[side] or {}).get("arm") == "up" for side in SIDES)
+    return OVERHEAD if up else None
+
+
+def _without_offset(at: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in at.items() if key != "offset"}
+
+
+def _meeting(roles: Roles, hands: Hands, side: str, near: Mapping[str, Any]) -> Step:
     """One palm beside the middle, facing the other."""
     out = TOGETHER if side == "left" else -TOGETHER
     to = {**near, "offset": [0, out, 0]}
@@ -196,19 +239,23 @@ def _meeting(roles: Roles, hands: Hands, side: str, near: Mapping[str, Any] = CL
 
 
 def clap(roles: Roles, sense: Sense, context: Context) -> Stages:
-    """Palms apart and together in front of the chest, so many times."""
+    """Palms apart and together so many times: where it is said, or where the hands are."""
     named = roles.object is not None or roles.hand is not None
     hands = hands_of(roles, context) if named else Hands(SIDES)
     if not hands.both:
         raise Problem.of(f"{roles.verb!r} needs both hands", hands.words)
+    between = None if roles.places else _between(context)
+    near, assumed = (between, "where the hands are") if between else _middle(roles, context)
     steps = []
     for side in SIDES:
-        step = _meeting(roles, hands, side)
+        step = _meeting(roles, hands, side, near)
+        for phrase in roles.places:
+            step.because(phrase.words, "to", shown(near))
         out = APART if side == "left" else -APART
-        step.parameters["via"] = [{**CLAP, "offset": [0, out, 0], "at": 0.5}]
+        step.parameters["via"] = [{**near, "offset": [0, out, 0], "at": 0.5}]
         times = times_of(roles, 1)
         if times > 1:
             step.own["repeat"] = times
-        steps.append(step.assume("in front of the chest"))
+        steps.append(step.assume(assumed))
     moved(context, hands, steps)
     return [steps]

@@ -16,7 +16,7 @@ from specs.english.repeating import MOST_STEPS, Played, repeated
 from specs.english.repeating import told as repetition
 from specs.english.roles import LIMBS, sort, split
 from specs.english.sentences import Clause, Condition, Parsed, Raw, Sentence, Word
-from specs.english.sequence import Sequence
+from specs.english.sequence import Sequence, moves
 from specs.english.steps import Reason, Step
 from specs.english.timing import condition_of
 from specs.english.vocabulary import vocabulary
@@ -24,7 +24,7 @@ from specs.errors import Position, SpecError
 from specs.reading import Document, Path_
 
 TEMPO = 60.0  # beats per minute, if none is said
-PARALLEL = ("and", "together", "while")
+ARMS = {"right_arm", "left_arm"}
 
 
 @dataclass
@@ -72,7 +72,8 @@ class Lesson:
         data["rehearse"] = self.rehearses
         data["background"] = [dict(entry) for entry in vocabulary().defaults["background"]]
         data["subtasks"] = [step.own for step in self.sequence.steps]
-        return Document(data, self.file, dict(self._positions()))
+        lines = {self.file: self.layout.lines}
+        return Document(data, self.file, dict(self._positions()), lines=lines)
 
     @property
     def rehearses(self) -> bool:
@@ -224,6 +225,8 @@ class _Reader:
             for step in stages[-1]:
                 step.because(roles.together, "after", "at the same time")
         self._sequence.add(stages, link, clause, self._lesson.tempo or TEMPO)
+        if moves(stages) & ARMS:
+            self._context.apart = moves(*self._sequence.block) >= ARMS and not moves(stages) >= ARMS
         return stages
 
     def _when(self, kind: str, condition: Condition) -> list[Step]:
@@ -258,6 +261,9 @@ def _with_links(parsed: Parsed) -> Parsed:
         clauses[0] = replace(clauses[0], beside=True)
     if first not in ("together",):
         clauses[0] = replace(clauses[0], link="")
+    for k, clause in enumerate(clauses[1:], start=1):
+        if clause.link in ("comma", "and", "comma-and") and _participle(clause):
+            clauses[k] = replace(clause, link="while")  # "…, turning your head"
     listed = any(clause.link == "comma" for clause in clauses)
     for k, clause in enumerate(clauses[1:], start=1):
         link = clause.link
@@ -268,6 +274,14 @@ def _with_links(parsed: Parsed) -> Parsed:
         elif link == "comma-and":
             clauses[k] = replace(clause, link="and")
     return replace(parsed, clauses=tuple(clauses))
+
+
+def _participle(clause: Clause) -> bool:
+    """Whether its verb is said with -ing: it goes with the clause before."""
+    verb = clause.verb
+    if verb is None or verb.text.lower() in verb.entry.meaning["words"]:
+        return False
+    return verb.text.lower().split()[0].endswith("ing")
 
 
 def _filled(clause: Clause, before: Clause | None) -> Clause:

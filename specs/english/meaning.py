@@ -16,15 +16,16 @@ TIMES = {"time", "count", "rate", "most", "until", "together", "in_turn"}
 # What each way of doing has a use for, besides times.
 USES: dict[str, tuple[Callable[[Roles, Sense, Context], Stages], set[str]]] = {
     "arm": (doing_arms.arm, {"object", "hand", "ways", "palm", "elbow", "states", "angle"}),
-    "rest": (doing_arms.rest, {"object", "hand", "ways"}),
+    "rest": (doing_arms.rest, {"object", "hand", "ways", "palm", "elbow", "states"}),
     "elbow": (doing_arms.elbow, {"object", "hand", "angle", "states"}),
     "palm": (doing_arms.palm, {"object", "hand", "ways", "palm"}),
     "reach": (doing_hands.reach, {"object", "hand", "places", "palm"}),
     "tap": (doing_hands.tap, {"object", "hand", "places"}),
+    "gather": (doing_hands.gather, {"object", "hand", "ways", "palm"}),
     "reach_to": (doing_hands.reach_to, {"object", "hand"}),
     "cross": (doing_hands.cross, {"object", "hand", "places"}),
     "press": (doing_hands.press, {"object", "hand", "ways", "places"}),
-    "clap": (doing_hands.clap, {"object", "hand"}),
+    "clap": (doing_hands.clap, {"object", "hand", "places"}),
     "relax": (doing_arms.relax, {"object", "hand"}),
     "hold": (doing_arms.hold, {"object", "hand", "ways"}),
     "turn": (doing_body.turn, {"object", "ways", "states", "angle"}),
@@ -154,7 +155,8 @@ def _with(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
         case "place" | "target":
             return bool(roles.places)
         case "direction":
-            usual = any("arm" in s for s in senses)  # "raise your arm, palm in": up
+            usual = any("arm" in s or s["does"] == "rest" for s in senses if "with" not in s)
+            # "raise your arm, palm in": up
             return any(way.key not in STILL for way in roles.ways) or bool(
                 roles.palm and roles.object and not usual
             )
@@ -162,6 +164,8 @@ def _with(sense: Sense, senses: Sequence[Sense], roles: Roles) -> bool:
             return [way.key for way in roles.ways] == ["back"] and _text(
                 roles.ways[0].words
             ).lower() == "back"
+        case "inward":
+            return [way.key for way in roles.ways] == ["in"]
         case "together":
             return any(way.key == "together" for way in roles.ways)
         case "state":

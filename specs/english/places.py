@@ -27,6 +27,7 @@ OPPOSITE = {
     "left": "right",
     "right": "left",
 }
+ACROSS = {"right": [0.65, 0.76, 0.0], "left": [0.65, -0.76, 0.0]}  # as far as a straight arm goes
 MOST_AWAY = 2.0  # [m]
 
 
@@ -203,7 +204,15 @@ def direction(ways: Sequence[Way], hand: str, context: Context) -> tuple[str | l
         key = context.side(way.key)
         if key == "side":
             key = hand
-        elif key == "in":
+        elif key == "across" and len(ways) == 1:
+            return ACROSS[hand], "as far across as a straight arm goes"
+        elif key == "in" and len(ways) == 1:
+            raise Problem.of(
+                f"{' '.join(map(str, way.words))!r} is no direction for a straight arm: say 'across"
+                " your body', or a place, such as 'in front of your chest'",
+                way.words,
+            )
+        elif key in ("in", "across"):
             key = opposite(hand)
         if key in ("out", "level") and len(ways) > 1:
             continue

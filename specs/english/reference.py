@@ -21,6 +21,7 @@ DONE = {
     "elbow": "get-posture: the elbow alone",
     "palm": "get-posture: the arm as it was, the palm turned",
     "reach": "go-to-point; to the other hand: follow",
+    "gather": "go-to-point, in front of the chest",
     "reach_to": "go-to-point",
     "cross": "go-to-point, one hand after the other",
     "press": "go-to-point, palm to palm",

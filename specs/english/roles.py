@@ -160,7 +160,7 @@ def _thing(roles: Roles, phrase: Phrase, aspect: Noun | None) -> Noun | None:
     if given is not None and given is roles.clause.subject and roles.hand is None and not aside:
         roles.hand, roles.object = given, noun  # "let your hand touch …"
         return None
-    if aside and given is not None and given.what == "arm":
+    if aside and given is not None and (given.what == "arm" or given.pronoun is not None):
         return noun
     if roles.object is None:
         roles.object = noun

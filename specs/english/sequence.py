@@ -17,7 +17,7 @@ class Sequence:
 
     def __init__(self) -> None:
         self.steps: list[Step] = []  # in the order of the task, with names
-        self._block: list[Stages] = []
+        self.block: list[Stages] = []
         self._ends: list[str] = []  # who must be over before what comes now
         self._names: dict[str, int] = {}
         self.sentence = 0  # ordinal of the one that is read: steps are called by it
@@ -34,36 +34,40 @@ class Sequence:
         """
         for step in (step for stage in stages for step in stage):
             step.sentence = self.sentence
-        if link in PARALLEL and self._block:
-            shared = _moves(stages) & frozenset().union(*map(_moves, self._block))
+        if link in PARALLEL and self.block:
+            shared = moves(stages) & moves(*self.block)
             if not shared:
-                self._block.append(stages)
+                self.block.append(stages)
                 self._count += sum(map(len, stages))
                 return
             said = " and ".join(sorted(part.replace("_", " ") for part in shared))
             if link != "and":
-                raise Problem.of(f"the {said} cannot do two things at the same time", clause.words)
+                elbow = any("joints" in step.parameters for step in stages[0])
+                how = "; with the arm say 'elbow bent' or 'elbow straight'" if elbow else ""
+                raise Problem.of(
+                    f"the {said} cannot do two things at the same time{how}", clause.words
+                )
             for step in stages[0]:
                 step.assume(f"one after the other, since both move the {said}")
         elif link in PARALLEL and link != "and":
             raise Problem.of("at the same time as what? nothing stands before", clause.words)
         self.flush(tempo)
-        self._block = [stages]
+        self.block = [stages]
         self._count += sum(map(len, stages))
 
     def flush(self, tempo: float) -> None:
         """Write what runs at the same time, and begin anew after it."""
-        if not self._block:
+        if not self.block:
             return
-        _even(self._block, tempo)
+        _even(self.block, tempo)
         before, ends = self._ends, []
-        for stages in self._block:
+        for stages in self.block:
             waits = before
             for stage in stages:
                 waits = [self._write(step, waits) for step in stage]
             ends += waits
-        _lasting(self._block)
-        self._block, self._ends = [], ends
+        _lasting(self.block)
+        self.block, self._ends = [], ends
 
     def _write(self, step: Step, waits: list[str]) -> str:
         """Give a step its name and say what it waits for, unless that is the one above."""
@@ -84,8 +88,11 @@ class Sequence:
         return said if count == 1 else f"{said}-{count}"
 
 
-def _moves(stages: Stages) -> frozenset[str]:
-    return frozenset().union(*(step.moves for stage in stages for step in stage))
+def moves(*several: Stages) -> frozenset[str]:
+    """The arms and joint groups that some stages claim."""
+    return frozenset().union(
+        *(step.moves for stages in several for stage in stages for step in stage)
+    )
 
 
 def _even(block: list[Stages], tempo: float) -> None:

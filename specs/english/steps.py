@@ -40,7 +40,7 @@ class Step:
 
     def assume(self, said: str) -> "Step":
         """Note what was taken for granted."""
-        if said not in self.assumed:
+        if said and said not in self.assumed:
             self.assumed.append(said)
         return self
 

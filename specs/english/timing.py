@@ -3,11 +3,12 @@
 from typing import Any
 
 from specs.english.context import Context
+from specs.english.doing import MOST_TIMES
 from specs.english.doing_body import ease
 from specs.english.places import landmark
 from specs.english.problems import Problem
 from specs.english.roles import Amount, Roles
-from specs.english.sentences import Condition
+from specs.english.sentences import Condition, said
 from specs.english.steps import Step, plain
 from specs.english.vocabulary import vocabulary
 
@@ -52,6 +53,8 @@ def _of_rhythm(roles: Roles, step: Step) -> None:
 
 
 def _of_movement(roles: Roles, step: Step, does: str) -> None:
+    if does in ("tap", "clap"):
+        _on_the_beat(roles, step)
     rounds = step.own.get("repeat", 1)
     if roles.count is not None:
         if does in ("tap", "clap"):
@@ -84,6 +87,37 @@ def _of_movement(roles: Roles, step: Step, does: str) -> None:
         step.own["beats"] = plain(factor)
     elif roles.until is None and roles.rate is None:
         step.assume("one beat")
+    if does in ("tap", "clap") and rounds == 1 and roles.count is None and roles.until is None:
+        step.assume("once")
+
+
+def _on_the_beat(roles: Roles, step: Step) -> None:
+    """Taps or claps at a rate are as many as there is time for."""
+    if roles.rate is None or roles.until is not None:
+        return
+    if roles.time is None:
+        if roles.count is None:
+            raise Problem.of(
+                f"{said(roles.rate.words)!r}: how often? say 'four times' or 'for four beats'",
+                roles.rate.words,
+            )
+        return
+    key, length = _length(roles.time)
+    times = length / roles.rate.number
+    if key != "beats" or times != int(times) or times > MOST_TIMES:
+        raise Problem.of(
+            f"{said(roles.time.words)!r} and {said(roles.rate.words)!r}: say so many beats that a"
+            " whole number of times fits in",
+            roles.time.words,
+        )
+    if roles.count is not None and roles.count.number != times:
+        raise Problem.of(
+            f"{said(roles.count.words)!r} or {said(roles.time.words)!r}: which of them?",
+            roles.count.words,
+        )
+    if times > 1:
+        step.own["repeat"] = int(times)
+    step.because(roles.time.words, "repeat", f"{times:g} times")
 
 
 def _length(time: Amount) -> tuple[str, float]:
@@ -156,7 +190,7 @@ def condition_of(condition: Condition, context: Context) -> dict[str, Any]:
 
 
 def _in_turn(roles: Roles, stages: list[list[Step]]) -> None:
-    if not roles.in_turn:
+    if not roles.in_turn or any(step.primitive == "oscillate" for step in stages[-1]):
         return
     if len(stages[-1]) < 2:
         raise Problem.of(f"{' '.join(map(str, roles.in_turn))!r} goes with two arms", roles.in_turn)

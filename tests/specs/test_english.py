@@ -168,6 +168,13 @@ def test_good_lines_are_explained_beside_bad_ones() -> None:
         ("Touch your left ear.", "'your left ear' is head.left"),
         ("Put your left hand on your right upper arm.", "upper arm' is right_elbow.inside"),
         ("Put your right hand on your waist.", "'your waist' is right_hip, for the right hand"),
+        ("Swing your arms.", "both together; else say 'alternately'"),
+        ("Clap.", "once"),
+        ("Push your hands up.", "palm up, the way it is pushed; elbow bent by 35 degrees"),
+        (
+            "Turn your body to the left, keep your head forward.",
+            "'Turn your head 30 degrees to the",
+        ),
         ("Touch your left wrist.", "'your left wrist' is the palm of the left hand"),
     ],
 )
@@ -223,11 +230,12 @@ def _linking(steps: list) -> set:
 
 
 def test_errors_of_binding_point_into_the_text(body: Body) -> None:
-    text = "Nod.\nExtend your right arm down, palm up.\n"
+    text = "Nod.\nExtend your right arm down, elbow straight, palm up.\n"
     spec, document = task_from_text(text, "back.txt")
     with pytest.raises(SpecError, match="cannot be held so") as caught:
         bind_task(spec, body, document)
     assert caught.value.line == 2
+    assert "Extend your right arm down, elbow straight, palm up" in caught.value.excerpt
 
 
 @pytest.mark.parametrize(
