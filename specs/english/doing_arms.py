@@ -23,7 +23,7 @@ from specs.english.doing import (
 from specs.english.places import OPPOSITE, VECTORS, direction, facing
 from specs.english.problems import Problem
 from specs.english.roles import Roles
-from specs.english.steps import SIDES, Step, plain
+from specs.english.steps import SIDES, Step, opposite, plain
 
 BENT_FOR_PALM = 35  # [degrees] of the elbow; from 30 on the wrist can do it
 # The upper arm hangs beside the ribs, the forearm is held out.
@@ -187,6 +187,8 @@ def elbow(roles: Roles, sense: Sense, context: Context) -> Stages:
 def palm(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Turn a palm and leave the arm where it is: get-posture with the arm as it was."""
     hands = hands_of(roles, context)
+    if any(context.at[side] is not None for side in hands.sides):
+        return _palm_at(roles, hands, context)
     ways = [*roles.palm, *(way for way in roles.ways if way.key not in ("there",))]
     steps = []
     for side in hands.sides:
@@ -232,6 +234,27 @@ def palm(roles: Roles, sense: Sense, context: Context) -> Stages:
     return [steps]
 
 
+def _palm_at(roles: Roles, hands: Hands, context: Context) -> Stages:
+    """Turn the palm of a hand that was brought to a place, and keep it there: go-to-point."""
+    ways = [*roles.palm, *(way for way in roles.ways if way.key != "there")]
+    steps = []
+    for side in hands.sides:
+        at = context.at[side]
+        if not isinstance(at, dict) or not ways or ways[-1].key == "over":
+            where = "" if at is None else f" (it is at {shown(at)})"
+            raise Problem.of(
+                f"the {side} palm cannot turn there{where}: say where the hand goes, such as 'Hold"
+                f" your {side} hand in front of your belly, palm up'",
+                roles.clause.words,
+            )
+        step = limb(hands, step_of(roles, "go-to-point", side, to=at), side)
+        step.parameters["palm"] = facing(ways[-1], side, context)
+        step.because(ways[-1].words, "palm", str(step.parameters["palm"]))
+        steps.append(step.assume("the hand where it is"))
+    context.last = hands.sides
+    return [steps]
+
+
 def relax(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Let arms hang loose: relax."""
     hands = (
@@ -266,6 +289,13 @@ def hold(roles: Roles, sense: Sense, context: Context) -> Stages:
         if roles.object is None:
             step.assume("all joints")
         return [[step]]
+    if roles.object is not None and roles.hand is not None:
+        side = context.hands(roles.hand).sides[0]
+        raise Problem.of(
+            f"no hand holds something fast: say 'Touch your {opposite(side)} hand with your {side}"
+            " hand'",
+            roles.clause.words,
+        )
     hands = hands_of(roles, context)
     steps = []
     for side in hands.sides:

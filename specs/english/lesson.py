@@ -12,7 +12,7 @@ from specs.english.lexing import words_of
 from specs.english.meaning import stages_of
 from specs.english.parsing import parse
 from specs.english.problems import Problem, error_of
-from specs.english.repeating import MOST_STEPS, Played, repeated
+from specs.english.repeating import MOST_STEPS, Played, repeated, stands_still
 from specs.english.repeating import told as repetition
 from specs.english.roles import LIMBS, sort, split
 from specs.english.sentences import Clause, Condition, Parsed, Raw, Sentence, Word
@@ -165,6 +165,13 @@ class _Reader:
             finally:
                 self._context.mirrored = before
             played.steps += steps
+        if played.plays and stands_still(played, self._played[-1]):
+            more = "'Repeat the last 2 sentences', or " if len(self._played) > 1 else ""
+            raise Problem(
+                f"{self._played[-1].text!r} again would stand still: say {more}there and back in"
+                " one sentence, with 'then' between",
+                tuple(sentence.words),
+            )
         if len(played.parsed.clauses) == 1 and len({id(step.clause) for step in played.steps}) == 1:
             for step in played.steps:
                 step.words = told.text

@@ -37,9 +37,9 @@ def words_of(raws: Sequence[Raw]) -> tuple[list[Word], list[Word], list[Problem]
                 found.append((tuple(raws[i : i + length]), entries, number))
                 i += length - 1
             else:
-                problems.append(
-                    Problem(f"unknown word {_short(raw.text)!r}", (raw,), unknown=raw.text)
-                )
+                wanted = _wanted(found[-1] if found else None, problems, raw)
+                said = f"unknown word {_short(raw.text)!r}"
+                problems.append(Problem(said, (raw,), unknown=raw.text, wanted=wanted))
         i += 1
     words, fillers = _chosen(found)
     cannot: set[str] = set()
@@ -49,6 +49,24 @@ def words_of(raws: Sequence[Raw]) -> tuple[list[Word], list[Word], list[Problem]
             why = word.entry.meaning["why"]
             problems.append(Problem.of(f"{word.text!r} cannot be done: {why}", [word]))
     return _linked(words), fillers, problems
+
+
+def _wanted(
+    before: tuple[tuple[Raw, ...], tuple[Entry, ...], float] | None,
+    problems: Sequence[Problem],
+    raw: Raw,
+) -> str:
+    """The class of word that a place in a sentence is for, if that is clear."""
+    if problems and problems[-1].raws[-1].line == raw.line:
+        after = problems[-1].raws[-1].column
+        if before is None or before[0][-1].column < after:
+            return ""  # what stands before is not known either
+    if before is None:
+        return "VERB"
+    kinds = {entry.kind for entry in before[1]}
+    if kinds & {"MARK", "LINKING"}:
+        return "VERB"
+    return "NOUN" if kinds & {*NOUN_LIKE} else ""
 
 
 def _split(raws: Sequence[Raw]) -> list[Raw]:
@@ -90,7 +108,7 @@ def _chosen(
         entry = entries[0]
         following = found[k + 1][1][0].kind if k + 1 < len(found) else ""
         if len(entries) > 1:
-            entry = _fitting(entries, words[-1] if words else None, following, has_verb)
+            entry = _fitting(entries, words, following, has_verb)
         word = Word(entry.kind, raws, entry, number)
         if entry.kind == FILLER:
             fillers.append(word)
@@ -105,12 +123,18 @@ def _chosen(
 
 
 def _fitting(
-    entries: tuple[Entry, ...], before: Word | None, following: str, has_verb: bool
+    entries: tuple[Entry, ...], words: Sequence[Word], following: str, has_verb: bool
 ) -> Entry:
-    """The meaning that fits between the word before and the one that follows."""
+    """The meaning that fits between the words before and the one that follows."""
+    before = words[-1] if words else None
     kinds = {entry.kind: entry for entry in reversed(entries)}
     nominal = before is not None and before.kind in NOUN_LIKE
     of_palm = before is not None and before.kind == "NOUN" and before.entry.key in ("palm", "elbow")
+    if "STEP" in kinds and "CANNOT" in kinds:  # "repeat the last two steps", "two steps back"
+        counted = following == "NUMBER" or "LAST" in [word.kind for word in words[-2:]]
+        return kinds["STEP" if counted else "CANNOT"]
+    if "UNIT" in kinds and before is not None and before.kind == "NUMBER":
+        return kinds["UNIT"]
     if FILLER in kinds and "VERB" in kinds and (has_verb or of_palm):  # "palm facing down"
         return kinds[FILLER]
     if "VERB" in kinds and not nominal and not has_verb:
@@ -126,8 +150,8 @@ def _fitting(
             nouns = ("NOUN", "DETERMINER", "SIDE", "PART", "OTHER", "BOTH", "STEP")
             return kinds[kind] if following in nouns else next(e for e in entries if e.kind != kind)
     if "DIRECTION" in kinds and "PREPOSITION" in kinds:
-        nouns = ("NOUN", "PRONOUN", "DETERMINER", "SIDE", "PART", "NUMBER", "BOTH", "OTHER")
-        return kinds["PREPOSITION" if following in nouns else "DIRECTION"]
+        after = ("NOUN", "PRONOUN", "DETERMINER", "SIDE", "PART", "NUMBER", "BOTH", "OTHER")
+        return kinds["PREPOSITION" if following in after else "DIRECTION"]
     rest = [entry for entry in entries if entry.kind not in ("VERB", "WHEN", "LINKING", FILLER)]
     return rest[0] if rest else entries[0]
 

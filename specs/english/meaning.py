@@ -207,6 +207,8 @@ def _nothing_fits(roles: Roles, senses: Sequence[Sense]) -> Problem:
 
 def _nothing_left(roles: Roles, does: str, uses: set[str]) -> None:
     """Every word has done something."""
+    if roles.tempo is not None:
+        raise Problem.of("the tempo is said in a sentence of its own", roles.tempo.words)
     used = uses | TIMES | {"manners"}
     for words in roles.unused(used):
         raise Problem.of(f"{_text(words)!r} has no meaning with {roles.verb!r}", words)
@@ -223,8 +225,6 @@ def _nothing_left(roles: Roles, does: str, uses: set[str]) -> None:
                 raise Problem.of(
                     f"{_text(way.words)!r} has no meaning with {roles.verb!r}", way.words
                 )
-    if roles.tempo is not None:
-        raise Problem.of("the tempo is said in a sentence of its own", roles.tempo.words)
 
 
 def _nothing_dropped(roles: Roles, stages: Stages) -> None:

@@ -17,7 +17,7 @@ from specs.english.vocabulary import CLASSES
 OWN = {"LINK", "SEP", "DASH", "SOME"}  # classes that are not a section of the vocabulary
 PHRASES = (
     "thing", "place", "amount", "direction", "state", "manner", "together", "in_turn", "separator",
-    "count", "rate", "most", "until", "step", "last", "when",
+    "count", "rate", "most", "until", "step", "last", "when", "tempo",
 )  # fmt: skip
 
 

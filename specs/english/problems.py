@@ -11,6 +11,7 @@ from specs.errors import Position, SpecError
 MOST = 20  # problems that are shown
 LONGEST = 40  # characters of a word that neighbours are looked for
 FEW = 5  # phrases that are shown
+LIKE, ALIKE = 0.7, 0.8  # how much of a word is another; the same of another class of word
 WIDEST = 160  # characters of a line that are shown
 
 
@@ -21,6 +22,7 @@ class Problem(Exception):
     message: str
     raws: tuple[Raw, ...]
     unknown: str = ""  # a word nobody knows: its neighbours are looked for when it is shown
+    wanted: str = ""  # the class of word that fits there
 
     @classmethod
     def of(cls, message: str, words: Iterable[Word]) -> "Problem":
@@ -37,7 +39,18 @@ class Problem(Exception):
         if not self.unknown:
             return self.message
         phrases = vocabulary().phrases(self.unknown)
-        return self.message + (only_in(phrases) or nearest(self.unknown, known))
+        return self.message + (only_in(phrases) or _instead(self.unknown, self.wanted, known))
+
+
+def _instead(word: str, wanted: str, known: Sequence[str]) -> str:
+    """What can be said in the place of a word: first what fits there."""
+    fitting = nearest(word, vocabulary().known(wanted)) if wanted else ""
+    close = fitting or nearest(word, known, alike=ALIKE if wanted else LIKE)
+    if close or not wanted:
+        return close
+    if wanted == "NOUN":
+        return f"; there are: {', '.join(vocabulary().parts())}"
+    return "; 'adonis words' lists the verbs that there are"
 
 
 def only_in(phrases: Sequence[str]) -> str:
@@ -46,7 +59,7 @@ def only_in(phrases: Sequence[str]) -> str:
     return f"; it is known only in {', '.join(map(repr, phrases[:FEW]))}{more}" if phrases else ""
 
 
-def nearest(word: str, known: Sequence[str], *, most: int = 3, alike: float = 0.7) -> str:
+def nearest(word: str, known: Sequence[str], *, most: int = 3, alike: float = LIKE) -> str:
     """What may have been meant instead of a word; of several forms of one, the first."""
     close = get_close_matches(word[:LONGEST].lower(), known, n=most, cutoff=alike)
     close = [c for k, c in enumerate(close) if not any(c.startswith(d) for d in close[:k])]

@@ -9,6 +9,7 @@ from specs.english.roles import Roles
 from specs.english.sentences import Parsed, Phrase
 from specs.english.steps import Step
 
+STANDING = ("get-posture", "go-to-point")  # where their goal is reached, nothing moves
 MOST_TIMES = 10_000
 MOST_STEPS = 2_000  # that repeating may add to a lesson
 
@@ -58,7 +59,19 @@ def told(again: Sequence[tuple[Played, bool]], before: int) -> str:
     many = f"{len(again)} times" if len(texts) == 1 else f"{len(again)} sentences in all"
     rounds = "once" if len(again) == len(texts) else many
     more = len(texts) == 1 and before > 1
-    return f"repeats {said}: {rounds}" + ("; for all say 'Repeat everything'" if more else "")
+    rest = "; for more say 'Repeat the last 2 sentences' or 'Repeat everything'" if more else ""
+    return f"repeats {said}: {rounds}{rest}"
+
+
+def stands_still(again: Played, before: Played) -> bool:
+    """Whether repeating only brings the same arms to where the sentence before brought them."""
+    if any(one is not before or mirrored for one, mirrored in again.plays):
+        return False
+    goals = [(step.primitive, step.parameters) for step in before.steps]
+    parts = [part for step in before.steps for part in step.moves]
+    same = [(step.primitive, step.parameters) for step in again.steps] == goals * len(again.plays)
+    stands = all(kind in STANDING and "via" not in given for kind, given in goals)
+    return same and stands and len(parts) == len(set(parts))
 
 
 def _chosen(roles: Roles, played: Sequence[Played]) -> Sequence[Played]:

@@ -97,6 +97,10 @@ def sort(clause: Clause) -> Roles:
                 roles.manners += phrase.words
             case "amount":
                 _amount(roles, phrase, aspect)
+            case "tempo":
+                if phrase.unit is not None and phrase.unit.entry.meaning["of"] != "tempo":
+                    raise Problem.of("a tempo is so many beats per minute", phrase.words)
+                _set(roles, "tempo", Amount(phrase.numbers[0], phrase.words))
             case "count":
                 _set(roles, "count", Amount(phrase.numbers[0], phrase.words))
             case "rate":
@@ -109,6 +113,13 @@ def sort(clause: Clause) -> Roles:
                 roles.until = phrase.condition
             case "when":
                 pass  # the whole sentence waits for it
+            case "step" if _without_unit(phrase):
+                number = phrase.words[-1].text
+                raise Problem.of(
+                    f"{phrase.text!r}: {number} what? say '{number} times', 'for {number} beats' or"
+                    f" 'for {number} seconds'",
+                    phrase.words,
+                )
             case "step" | "last":
                 roles.steps.append(phrase)
             case "together":
@@ -118,6 +129,12 @@ def sort(clause: Clause) -> Roles:
     for noun, phrase in aspects:
         _no_aspect(roles, noun, phrase)
     return roles
+
+
+def _without_unit(phrase: Phrase) -> bool:
+    """Whether it is a time that lacks its unit: "for two"."""
+    preposition = phrase.preposition
+    return preposition is not None and preposition.entry.key == "for" and len(phrase.words) == 2
 
 
 def _no_aspect(roles: Roles, noun: Noun, phrase: Phrase) -> None:
@@ -179,6 +196,10 @@ def _bare(
     roles: Roles, phrase: Phrase, noun: Noun, relation: str, aspect: Noun | None
 ) -> Noun | None:
     """A phrase without a noun: "to the left" is a direction, "your left" and "both" an arm."""
+    verb = roles.clause.verb
+    if noun.side and verb is not None and verb.entry.key == "repeat":
+        roles.hand = noun  # "do the same on the left"
+        return None
     alone = noun.side and not (noun.other or noun.both)
     on = phrase.preposition is not None and phrase.preposition.text.lower().endswith("on")
     towards = relation in ("to", "toward", "for", "from") and not on

@@ -62,7 +62,8 @@ def _of_movement(roles: Roles, step: Step, does: str) -> None:
         elif roles.count.number != 1:
             raise Problem.of(
                 f"{roles.verb!r} ends in a posture, and {roles.count.number:g} times of it would"
-                " stand still: say what comes between, then 'Repeat that'",
+                " stand still: say there and back in one sentence, such as 'Bend your right elbow,"
+                " then straighten it', and after it 'Repeat that twice'",
                 roles.count.words,
             )
         else:

@@ -32,6 +32,7 @@ CLASSES = {
     "last": "LAST",
     "steps": "STEP",
     "units": "UNIT",
+    "tempos": "TEMPO",
     "numbers": "NUMBER",
     "links": "LINKING",
     "let": "LET",
@@ -69,10 +70,22 @@ class Vocabulary:
         found: Mapping[str, Any] = self.data["defaults"]
         return found
 
-    def known(self) -> list[str]:
-        """All single words that have an effect, to find the nearest."""
-        useful = (w for w, found in self.entries.items() if found[0].kind not in (FILLER, "LET"))
+    def known(self, kind: str = "") -> list[str]:
+        """All single words that have an effect, or those of a class, to find the nearest."""
+        useful = (
+            words
+            for words, found in self.entries.items()
+            if (
+                any(e.kind == kind for e in found) if kind else found[0].kind not in (FILLER, "LET")
+            )
+        )
         return sorted({word for words in useful for word in words.split()})
+
+    def parts(self) -> list[str]:
+        """The parts of the body, and the things beside it."""
+        return [
+            key for key, noun in self.data["nouns"].items() if noun["is"] not in ("start", "all")
+        ]
 
     def phrases(self, word: str) -> list[str]:
         """What is said with a word that means nothing alone, the first forms only."""

@@ -194,7 +194,10 @@ def test_how_long_what_goes_beside_lasts_is_told_once() -> None:
 def test_what_is_repeated_is_told() -> None:
     lines = "Raise your right arm.\nLower it.\n"
     for said, told in (
-        ("Repeat this twice.", "repeats line 2, 'Lower it': 2 times; for all say 'Repeat ever"),
+        (
+            "Nod. Repeat this twice.",
+            "repeats line 3, 'Nod': 2 times; for more say 'Repeat the last",
+        ),
         ("Repeat everything.", "repeats lines 1 to 2: once"),
         ("Repeat lines 1 to 2 twice.", "repeats lines 1 to 2: 4 sentences in all"),
     ):
