@@ -151,10 +151,10 @@ def rhythm(roles: Roles, sense: Sense, context: Context) -> Stages:
     return stages
 
 
-def _alternating(roles: Roles, hands: Hands) -> float:
+def _alternating(roles: Roles, hands: Hands) -> int:
     """By how many degrees the second arm swings later than the first."""
     if not roles.in_turn:
-        return 0.0
+        return 0
     text = _text(roles.in_turn)
     if not hands.both:
         raise Problem.of(f"{text!r} goes with two arms", roles.in_turn)

@@ -251,6 +251,9 @@ def clap(roles: Roles, sense: Sense, context: Context) -> Stages:
         step = _meeting(roles, hands, side, near)
         for phrase in roles.places:
             step.because(phrase.words, "to", shown(near))
+        for way in roles.ways:
+            if way.key == "together":
+                step.because(way.words, "to", "palm to palm")
         out = APART if side == "left" else -APART
         step.parameters["via"] = [{**near, "offset": [0, out, 0], "at": 0.5}]
         times = times_of(roles, 1)

@@ -25,7 +25,7 @@ USES: dict[str, tuple[Callable[[Roles, Sense, Context], Stages], set[str]]] = {
     "reach_to": (doing_hands.reach_to, {"object", "hand"}),
     "cross": (doing_hands.cross, {"object", "hand", "places"}),
     "press": (doing_hands.press, {"object", "hand", "ways", "places"}),
-    "clap": (doing_hands.clap, {"object", "hand", "places"}),
+    "clap": (doing_hands.clap, {"object", "hand", "places", "ways"}),
     "relax": (doing_arms.relax, {"object", "hand"}),
     "hold": (doing_arms.hold, {"object", "hand", "ways"}),
     "turn": (doing_body.turn, {"object", "ways", "states", "angle"}),
@@ -236,6 +236,10 @@ def _nothing_dropped(roles: Roles, stages: Stages) -> None:
         for reason in step.reasons
         for word in reason.words
     }
+    for way in roles.ways:
+        if way.key in STILL and not told.issuperset(way.words):  # "hold it out there"
+            stages[-1][0].because(way.words, "posture", "stays so")
+            told |= set(way.words)
     for words in roles.unused({"together"}):  # which is for the order of clauses
         if not told.issuperset(words):
             raise Problem.of(f"{_text(words)!r} has no meaning with {roles.verb!r}", words)

@@ -109,8 +109,9 @@ def _becomes(sense: Mapping[str, Any]) -> str:
             return f"{done}, to {sense['to']}"
         case "elbow":
             return f"{done}, {sense['degrees']} degrees"
-        case "arm" if "arm" in sense:
-            return f"{done}, {sense['arm']}"
+        case "arm":
+            way = f", {sense['arm']}" if "arm" in sense else ""
+            return f"{done}{way}" + (", palm the same way" if "palm" in sense else "")
         case "relax" if sense.get("limp"):
             return f"{done}, limp"
     return done
