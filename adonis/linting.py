@@ -113,8 +113,15 @@ def print_plan(console: Console, bound: BoundTask) -> None:
 
 
 def print_findings(console: Console, findings: Sequence[Finding]) -> None:
-    """Two lines for each finding: what is wrong and where, and what to do."""
+    """Two lines for each finding: what is wrong and where, and what to do.
+
+    What is wrong again with another sub-task of the same sentence, or the next round, is counted.
+    """
+    alike: dict[tuple[str, str, object], list[Finding]] = {}
     for finding in findings:
+        where = finding.place or finding.subtask
+        alike.setdefault((finding.severity, finding.code, where), []).append(finding)
+    for finding, *more in alike.values():
         color = COLORS[finding.severity]
         console.print(
             f"[bold {color}]{finding.severity}[/] [dim]{finding.code}[/]"
@@ -123,6 +130,10 @@ def print_findings(console: Console, findings: Sequence[Finding]) -> None:
         )
         place = f" [dim]({escape(finding.place)})[/]" if finding.place else ""
         console.print(f"    {escape(finding.advice)}{place}", soft_wrap=True)
+        if more:
+            names = ", ".join(dict.fromkeys(other.subtask or "" for other in more))
+            console.print(f"    [dim]the same {len(more)} times more: {escape(names)}[/]",
+                          soft_wrap=True)  # fmt: skip
     if not findings:
         console.print("Nothing wrong was found.")
         return
