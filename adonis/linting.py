@@ -37,6 +37,7 @@ def check_task(
     changes: Sequence[str] = (),
     *,
     as_json: bool,
+    explained: bool = False,
 ) -> int:
     """Look at a task and say what would go wrong; a task that makes no sense ends the program.
 
@@ -47,6 +48,7 @@ def check_task(
         kinds: primitives of the user's own.
         changes: values in the place of those of the file, `PATH=VALUE` each.
         as_json: print the findings for tools.
+        explained: whether it was said already how a lesson was understood.
 
     Returns:
         The exit code: 1 if there is an error, or something that the body cannot do; else 0.
@@ -73,6 +75,8 @@ def check_task(
     else:
         console = Console()
         print_plan(console, bound)
+        if document.is_lesson and not explained:
+            console.print("How it was understood, and what was assumed: add --explain.")
         if fitness:
             print_fitness(console, spec, on.map.name, fitness)
         print_findings(console, found)
