@@ -201,7 +201,15 @@ def check(
     if explain and not as_json:
         print_explanation(task)
     raise typer.Exit(
-        check_task(task, body, tempo, classes(primitives), changes or (), as_json=as_json)
+        check_task(
+            task,
+            body,
+            tempo,
+            classes(primitives),
+            changes or (),
+            as_json=as_json,
+            explained=explain,
+        )
     )
 
 

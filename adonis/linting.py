@@ -37,6 +37,7 @@ def check_task(
     changes: Sequence[str] = (),
     *,
     as_json: bool,
+    explained: bool = False,
 ) -> int:
     """Look at a task and say what would go wrong; a task that makes no sense ends the program.
 
@@ -47,6 +48,7 @@ def check_task(
         kinds: primitives of the user's own.
         changes: values in the place of those of the file, `PATH=VALUE` each.
         as_json: print the findings for tools.
+        explained: whether it was said already how a lesson was understood.
 
     Returns:
         The exit code: 1 if there is an error, or something that the body cannot do; else 0.
@@ -73,6 +75,8 @@ def check_task(
     else:
         console = Console()
         print_plan(console, bound)
+        if document.is_lesson and not explained:
+            console.print("How it was understood, and what was assumed: add --explain.")
         if fitness:
             print_fitness(console, spec, on.map.name, fitness)
         print_findings(console, found)
@@ -113,8 +117,15 @@ def print_plan(console: Console, bound: BoundTask) -> None:
 
 
 def print_findings(console: Console, findings: Sequence[Finding]) -> None:
-    """Two lines for each finding: what is wrong and where, and what to do."""
+    """Two lines for each finding: what is wrong and where, and what to do.
+
+    What is wrong again with another sub-task of the same sentence, or the next round, is counted.
+    """
+    alike: dict[tuple[str, str, object], list[Finding]] = {}
     for finding in findings:
+        where = finding.place or finding.subtask
+        alike.setdefault((finding.severity, finding.code, where), []).append(finding)
+    for finding, *more in alike.values():
         color = COLORS[finding.severity]
         console.print(
             f"[bold {color}]{finding.severity}[/] [dim]{finding.code}[/]"
@@ -123,6 +134,10 @@ def print_findings(console: Console, findings: Sequence[Finding]) -> None:
         )
         place = f" [dim]({escape(finding.place)})[/]" if finding.place else ""
         console.print(f"    {escape(finding.advice)}{place}", soft_wrap=True)
+        if more:
+            names = ", ".join(dict.fromkeys(other.subtask or "" for other in more))
+            console.print(f"    [dim]the same {len(more)} times more: {escape(names)}[/]",
+                          soft_wrap=True)  # fmt: skip
     if not findings:
         console.print("Nothing wrong was found.")
         return

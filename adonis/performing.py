@@ -5,20 +5,13 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    Progress,
-    ProgressColumn,
-    SpinnerColumn,
-    TextColumn,
-    TimeElapsedColumn,
-)
 
 from adonis.comparison.human import Human
 from adonis.comparison.report import compare_and_write
 from adonis.dancing import FloatArray, Stopped, run_task
 from adonis.errors import InputError
 from adonis.morphing import Becoming, morph
+from adonis.progress import COMPILING, KEPT, progress
 from adonis.rehearsal.keeping import rehearsed
 from adonis.rehearsal.searching import Rehearsed
 from adonis.reporting import Results, prepare_folder, remove_folders, write_results
@@ -70,19 +63,11 @@ def perform(
     try:
         made = prepare_folder(folder)
         ours = not part.exists()
-        with Progress(*bar_columns(), console=console, transient=True) as bar:
-            shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
-
-            def moving(share: float, subtask: str) -> None:
-                bar.update(shown, completed=share, description=subtask or "holding")
-
-            def writing(what: str, share: float) -> None:
-                bar.update(shown, completed=share, description=f"writing: {what}")
-
+        with progress(console, COMPILING) as tell:
             try:
                 recordings = run_task(
-                    bound, start=start, seed=seed, part=part, progress=moving, events=events,
-                    becoming=becoming,
+                    bound, start=start, seed=seed, part=part, events=events, becoming=becoming,
+                    progress=lambda share, subtask: tell(share, subtask or "holding"),
                 )  # fmt: skip
             except Stopped as problem:
                 if len(problem.recordings[0].time) < FEWEST_ROWS:
@@ -91,7 +76,8 @@ def perform(
             asked = bound.spec if effort is None else effort.to_judge(bound.spec)
             results = write_results(
                 recordings[0], asked, folder, fitness=effort.fitness if effort else (),
-                video=video and not stopped, progress=writing,
+                video=video and not stopped,
+                progress=lambda what, share: tell(share, f"writing: {what}"),
             )  # fmt: skip
             part.unlink(missing_ok=True)
     finally:
@@ -131,25 +117,23 @@ def perform_morph(
     console: Console, bound: BoundTask, to: str, *, limits: bool, contacts: bool
 ) -> Becoming:
     """Make the bodies on the way to another person, with a bar: see `morph`."""
-    with Progress(*bar_columns(), console=console, transient=True) as bar:
-        shown = bar.add_task("", total=1.0)
-        return morph(
-            bound, to, limits=limits, contacts=contacts,
-            progress=lambda share, what: bar.update(shown, completed=share, description=what),
-        )  # fmt: skip
+    with progress(console, "") as tell:
+        return morph(bound, to, limits=limits, contacts=contacts, progress=tell)
 
 
 def perform_rehearsal(
     console: Console, bound: BoundTask, *, seed: int, afresh: bool
 ) -> tuple[BoundTask, dict[str, Rehearsed]]:
     """Find the ways that a task lacks, with a bar: see `rehearsed`."""
-    with Progress(*bar_columns(), console=console, transient=True) as bar:
-        shown = bar.add_task("rehearsing (slow only the first time)", total=1.0)
-
-        def trying(share: float, subtask: str) -> None:
-            bar.update(shown, completed=share, description=f"rehearsing: {subtask}")
-
-        spec, found = rehearsed(bound.spec, bound.on, seed=seed, afresh=afresh, progress=trying)
+    try:
+        with progress(console, "rehearsing (minutes, the first time)") as tell:
+            spec, found = rehearsed(
+                bound.spec, bound.on, seed=seed, afresh=afresh,
+                progress=lambda share, subtask: tell(share, f"rehearsing: {subtask}"),
+            )  # fmt: skip
+    except KeyboardInterrupt:
+        console.print(KEPT)
+        raise
     return bind_task(spec, bound.on), found
 
 
@@ -174,26 +158,13 @@ def perform_comparison(
     made = prepare_folder(folder)
     done = False
     try:
-        with Progress(*bar_columns(), console=console, transient=True) as bar:
-            shown = bar.add_task("preparing the controllers (slow only the first time)", total=1.0)
+        with progress(console, COMPILING) as tell:
             comparison, written = compare_and_write(
                 task, body, folder, dancers=dancers, human=human, quick=quick, seed=seed,
-                primitives=primitives,
-                progress=lambda what, share: bar.update(shown, completed=share, description=what),
+                primitives=primitives, progress=lambda what, share: tell(share, what),
             )  # fmt: skip
         done = True
     finally:
         if not done:
             remove_folders(made)
     print_comparison(console, comparison, written)
-
-
-def bar_columns() -> tuple[ProgressColumn, ...]:
-    """What a bar shows."""
-    return (
-        SpinnerColumn(),
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-    )

@@ -68,8 +68,8 @@ def words(
 def _lesson(task: str) -> "Lesson":
     from specs import SpecError
     from specs.english.lesson import read_lesson
-    from specs.loading import ENGLISH, find_task
-    from specs.reading import text_of
+    from specs.loading import find_task
+    from specs.reading import ENGLISH, text_of
 
     try:
         path = find_task(task)

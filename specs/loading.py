@@ -15,13 +15,12 @@ from specs.errors import SpecError
 from specs.fragments import put_in_fragments
 from specs.graph_reading import task_of_graph
 from specs.including import include
-from specs.reading import Document, Path_, read_file, read_text, text_of
+from specs.reading import ENGLISH, Document, Path_, read_file, read_text, text_of
 from specs.setting import with_set
 from specs.task import Background, SubTask, TaskSpec, keys_of
 from specs.validating import validate
 
 Model = TypeVar("Model", bound=BaseModel)
-ENGLISH = (".txt", ".md")  # files of these kinds are lessons in English, others YAML
 LIBRARY = Path(str(files("specs") / "library"))
 
 

@@ -19,6 +19,9 @@ BREAK = re.compile("\r\n|[\r\n\x85\u2028\u2029]")
 Path_ = tuple[str | int, ...]
 
 
+ENGLISH = (".txt", ".md")  # files of these kinds are lessons in English, others YAML
+
+
 @dataclass(frozen=True)
 class Document:
     """Plain data read from a file, and from those that it includes.
@@ -32,6 +35,11 @@ class Document:
     keys: dict[Path_, Position] = field(default_factory=dict)
     lines: dict[str, list[str]] = field(default_factory=dict)  # of each file, for excerpts
     folder: Path | None = None  # that the file is in; None for text that is in no file
+
+    @property
+    def is_lesson(self) -> bool:
+        """Whether it is in English."""
+        return Path(self.file).suffix in ENGLISH
 
     def where(self, path: Path_) -> Position | None:
         """Position of the value at `path`, or of the nearest thing around it."""

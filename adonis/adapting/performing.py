@@ -1,11 +1,11 @@
 """An adaptation as the command line does it: with a bar that says how far it is."""
 
 from rich.console import Console
-from rich.progress import Progress
 
 from adonis.adapting.adapting import Adapted, adapt
 from adonis.adapting.searching import Found
-from adonis.performing import bar_columns, perform_rehearsal
+from adonis.performing import perform_rehearsal
+from adonis.progress import KEPT, progress
 from sim import Body
 from specs import TaskSpec, bind_task
 
@@ -27,20 +27,18 @@ def perform_adaptation(
     if spec.rehearse:
         bound, _ = perform_rehearsal(console, bind_task(spec, body), seed=seed, afresh=afresh)
         spec = bound.spec
-    with Progress(*bar_columns(), console=console, transient=True) as bar:
-        shown = bar.add_task("dancing as the laws have it (slow only the first time)", total=1.0)
 
-        def moving(tried: int, found: Found) -> None:
-            best = f"{found.mark.failures} failures, cost {found.mark.cost:.2f}"
-            said = f"{tried} of {budget} danced; best so far: {best}"
-            bar.update(shown, completed=tried / budget, description=said)
+    try:
+        with progress(console, "dancing as the laws have it (slow only the first time)") as tell:
 
-        try:
+            def moving(tried: int, found: Found) -> None:
+                best = f"{found.mark.failures} failures, cost {found.mark.cost:.2f}"
+                tell(tried / budget, f"{tried} of {budget} danced; best so far: {best}")
+
             return adapt(
                 spec, body, budget=budget, seed=seed, keep_tempo=keep_tempo, afresh=afresh,
                 progress=moving,
             )  # fmt: skip
-        except KeyboardInterrupt:
-            bar.stop()
-            console.print("What was found is kept: the same command goes on from there.")
-            raise
+    except KeyboardInterrupt:
+        console.print(KEPT)
+        raise

@@ -26,6 +26,16 @@ KINDS: dict[str, str] = {
 }
 
 
+# What to do about it in a lesson, which has no words for ways and numbers of joints.
+SAYABLE = {
+    "collision": "name another place, move the other arm away before, or give it more time",
+    "stuck": "name another place, or bring the arm somewhere else before",
+    "out-of-reach": "name another place",
+    "inside-body": "name another place",
+    "joint-limit": "say less of it",
+}
+
+
 @dataclass(frozen=True)
 class Finding:
     """One thing that is wrong or doubtful."""
@@ -84,6 +94,8 @@ class Places:
         """A finding about an entry, or about what stands below it in the file."""
         position = self._document.where((*self._paths[subtask], *below))
         file = (position.file if position else "") or self._document.file
+        if self._document.is_lesson:
+            advice = SAYABLE.get(code, advice)
         return Finding(
             severity, code, subtask, what, advice, file or None,
             position.line if position else None, position.column if position else None,

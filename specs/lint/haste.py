@@ -36,7 +36,8 @@ def too_fast(
         shortest = known[key]
         miss = move.missed(move.foreseen, move.duration)
         if np.isinf(shortest):
-            if miss > 1.0:
+            longest = _longest(move)
+            if miss > 1.0 and move.missed(move.in_time(longest), longest) > 1.0:
                 found.append(_stuck(places, move))
             continue
         grave = miss > 1.0 or task.spec.safety == "filter"
