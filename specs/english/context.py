@@ -81,23 +81,24 @@ class Context:
         return hands
 
     def _named(self, noun: Noun) -> Hands:
-        words = noun.words
+        words, taken = noun.words, _taken(noun)
         if noun.side and not noun.both:
             self.apart = False
-            return Hands((self.side(noun.side),), words)
+            return Hands((self.side(noun.side),), words, taken)
         if noun.other:
             if len(self.last) != 1:
                 raise Problem.of(
                     f"{_text(noun)!r}: other than which? no hand was used alone before", words
                 )
-            return Hands((opposite(self.last[0]),), words)
+            return Hands((opposite(self.last[0]),), words, taken)
         if noun.some:
             raise Problem.of(_which(noun), words)
         key = noun.pronoun.entry.key if noun.pronoun else ""
         if noun.plural or key == "them":
-            return Hands(SIDES, words)
+            return Hands(SIDES, words, taken)
         if len(self.last) == 1 and not self.apart:
-            return Hands(self.last, words, f"{_text(noun)!r} is the {self.last[0]} one, used last")
+            assumed = f"{_text(noun)!r} is the {self.last[0]} one, used last"
+            return Hands(self.last, words, "; ".join(filter(None, (assumed, taken))))
         if key == "it":
             raise Problem.of(
                 f"{_text(noun)!r} could be your right hand or your left hand: say which", words
@@ -122,6 +123,12 @@ def _which(noun: Noun) -> str:
     return (
         f"{_text(noun)!r} could be your right {word}, your left {word} or both {word}s: say which"
     )
+
+
+def _taken(noun: Noun) -> str:
+    """What moves in the stead of a part that does not move alone, in words."""
+    taken = noun.noun.entry.meaning.get("taken") if noun.noun else None
+    return f"{_text(noun)!r}: {taken} moves" if taken else ""
 
 
 def _text(noun: Noun) -> str:

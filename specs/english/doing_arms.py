@@ -158,6 +158,13 @@ def rest(roles: Roles, sense: Sense, context: Context) -> Stages:
 def elbow(roles: Roles, sense: Sense, context: Context) -> Stages:
     """Bend or straighten elbows and leave the shoulder as it is: get-posture of that joint."""
     hands = hands_of(roles, context)
+    noun = roles.object
+    if noun is not None and noun.noun is not None and noun.noun.entry.key == "wrist":
+        raise Problem.of(
+            f"{quoted(noun.words)} does not bend alone: say 'Bend your {hands.sides[0]} elbow', or"
+            " which way the palm faces, such as 'palm up'",
+            noun.words,
+        )
     degrees = float(sense["degrees"])
     if roles.angle is not None:
         degrees = roles.angle.number

@@ -181,7 +181,9 @@ def cross(roles: Roles, sense: Sense, context: Context) -> Stages:
     steps = reach_to(roles, {"to": to}, context)[0]
     for step in steps:
         step.assume("the right one first")
-        if where is not None:
+        if where is not None and where.preposition and where.preposition.entry.key == "front":
+            step.because(where.words, "no effect", "arms are crossed on the body")
+        elif where is not None:
             step.because(where.words, "to", str(step.parameters["to"]))
     return [[step] for step in steps]
 

@@ -58,6 +58,8 @@ def stages_of(roles: Roles, context: Context) -> Stages:
     _by_hand(roles, does, uses)
     stages = act(roles, sense, context)
     _nothing_left(roles, does, uses)
+    for step in (step for stage in stages for step in stage):
+        step.assume(str(sense.get("told", "")))
     for word in roles.manners:
         if "size" in word.entry.meaning:
             for step in (step for stage in stages for step in stage):

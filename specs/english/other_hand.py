@@ -43,7 +43,11 @@ def to_other_hand(roles: Roles, where: Phrase, hands: Hands, side: str, context:
             f" {PLACES})",
             noun.words,
         )
+    if noun.part not in (None, "top"):
+        raise Problem.of(f"{quoted(noun.words)}: of a hand only the palm is a place", noun.words)
     way, away, assumed = _beside(where, side, context)
+    if noun.part is not None:
+        assumed = [*assumed, f"{quoted(where.words)} is onto the palm of the {other} hand"]
     primitive, to = _place(where, way, away, other, context)
     step = limb(hands, step_of(roles, primitive, side, to=to), side)
     step.because(where.words, "to", shown(to) if way else f"{other} hand")

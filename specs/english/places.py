@@ -243,11 +243,15 @@ def facing(way: Way, hand: str, context: Context) -> str:
         Problem: it is no such direction.
     """
     key = context.side(way.key)
-    key = {"in": opposite(hand), "together": opposite(hand), "out": hand, "side": hand}.get(
-        key, key
-    )
+    key = {"in": opposite(hand), "out": hand, "side": hand}.get(key, key)
+    said = " ".join(map(str, way.words))
+    if key == "together":
+        raise Problem.of(
+            f"{said!r}: where they are to touch is not said: say 'palms facing each other', or"
+            " 'Bring your palms together in front of your chest'",
+            way.words,
+        )
     if key not in VECTORS:
-        said = " ".join(map(str, way.words))
         raise Problem.of(
             f"a palm cannot face {said!r} (but {', '.join(VECTORS)}, in or out)", way.words
         )

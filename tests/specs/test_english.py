@@ -176,6 +176,11 @@ def test_good_lines_are_explained_beside_bad_ones() -> None:
             "'Turn your head 30 degrees to the",
         ),
         ("Touch your left wrist.", "'your left wrist' is the palm of the left hand"),
+        ("Lift your right forearm up.", "'your right forearm': the whole arm moves"),
+        ("Put your right wrist on your left wrist.", "'your right wrist': the hand moves"),
+        ("Touch the top of your left hand.", "'the top of your left hand' is onto the palm of the"),
+        ("Slide your right hand up to the left elbow.", "through the air, not along the body"),
+        ("Look over your left shoulder.", "at it, not past it: 'over' has no effect"),
     ],
 )
 def test_what_was_assumed_is_told(text: str, told: str) -> None:
@@ -184,6 +189,12 @@ def test_what_was_assumed_is_told(text: str, told: str) -> None:
         line for line in explain(read_lesson(text, "a.txt")).split("\n") if "assumed" in line
     ]
     assert told in " ".join(assumed)
+
+
+def test_words_of_a_place_without_effect_are_told() -> None:
+    explained = explain(read_lesson("Cross your wrists in front of your chest.", "a.txt"))
+    assert "in front of your chest  no effect: arms are crossed on the body" in explained
+    assert "'your wrists': the hand moves; to left_shoulder.top" in explained
 
 
 def test_how_long_what_goes_beside_lasts_is_told_once() -> None:
