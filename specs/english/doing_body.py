@@ -57,6 +57,10 @@ def turn(roles: Roles, sense: Sense, context: Context) -> Stages:
         step.assume(f"by {shown} degrees")
     elif roles.angle is not None:
         raise Problem.of(f"{roles.angle.number:g} degrees which way?", roles.angle.words)
+    moved = [s for s in SIDES if context.at[s] is not None or context.arms[s] != HANGING]
+    if sense["ways"] == "straight-trunk" and roles.object is None and moved:
+        arms = " and ".join(f"{side} arm" for side in moved)
+        step.assume(f"only the trunk straightens: this leaves the {arms} where it is")
     posture = {j: plain(angles.get(j, 0.0)) for j in JOINTS[group]}
     step.parameters["posture"] = posture
     if group == "waist":
@@ -230,6 +234,8 @@ def _pace(roles: Roles, swing: Sense, step: Step) -> None:
             )
         step.because(roles.count.words, "beats", f"{number:g} times")
     step.parameters["beats_per_cycle"] = plain(pace)
+    if pace == beats != 1 and roles.rate is None and (roles.time is None or cycles is None):
+        step.assume(f"{'half a beat' if beats == 0.5 else f'{beats:g} beats'} for each")
     if roles.time is not None:
         step.own["_cycles"] = cycles
         return

@@ -51,7 +51,11 @@ def _sentence(told: Told, layout: Layout, known: list[str]) -> Iterator[str]:
         return
     if told.note:
         yield f"    = {told.note}"
-        if told.steps:
+        if told.mirrored:
+            yield "    = on the other side: left and right are exchanged"
+            for step in told.steps:
+                yield _named(step)
+        elif told.steps:
             yield f"    -> {told.steps[0].own['name']} … {told.steps[-1].own['name']}"
         return
     for step in told.steps:
@@ -61,13 +65,16 @@ def _sentence(told: Told, layout: Layout, known: list[str]) -> Iterator[str]:
 
 
 def _step(step: Step) -> Iterator[str]:
-    own = step.own
-    yield f"    -> {own['name']}: {step.primitive}, {_parameters(step)}"
+    yield _named(step)
     width = max((len(_words(reason.words)) for reason in step.reasons), default=0)
     for reason in step.reasons:
         yield f"         {_words(reason.words):<{min(width, 40)}}  {reason.key}: {reason.said}"
     if step.assumed:
         yield f"         assumed: {'; '.join(step.assumed)}"
+
+
+def _named(step: Step) -> str:
+    return f"    -> {step.own['name']}: {step.primitive}, {_parameters(step)}"
 
 
 def _parameters(step: Step) -> str:

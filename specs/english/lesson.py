@@ -12,7 +12,7 @@ from specs.english.lexing import words_of
 from specs.english.meaning import stages_of
 from specs.english.parsing import parse
 from specs.english.problems import Problem, error_of
-from specs.english.repeating import MOST_STEPS, Played, repeated, stands_still
+from specs.english.repeating import MOST_STEPS, Played, repeated, stands_still, without_side
 from specs.english.repeating import told as repetition
 from specs.english.roles import LIMBS, sort, split
 from specs.english.sentences import Clause, Condition, Parsed, Raw, Sentence, Word
@@ -37,6 +37,7 @@ class Told:
     steps: list[Step] = field(default_factory=list)
     problem: Problem | None = None
     note: str = ""
+    mirrored: bool = False  # whether left and right were exchanged in what it repeats
 
 
 @dataclass
@@ -145,12 +146,13 @@ class _Reader:
         played = Played(number, told.line, parsed, told.text)
         if _repeats(parsed):
             (clause,) = parsed.clauses
-            again = repeated(sort(clause), self._played, self._context)
+            roles = sort(clause)
+            again = repeated(roles, self._played, self._context)
             self._repeated += sum(len(one.steps) for one, _ in again)
             if self._repeated > MOST_STEPS:
                 raise Problem.of(f"repeating makes more than {MOST_STEPS} steps", clause.words)
-            told.note = repetition(again, len(self._played))
-            played.plays = again
+            told.note = repetition(again, roles, len(self._played))
+            played.plays, told.mirrored = again, any(mirrored for _, mirrored in again)
         for one, mirrored in played.plays or [(played, False)]:
             before, self._context.mirrored = self._context.mirrored, mirrored
             try:
@@ -172,6 +174,8 @@ class _Reader:
                 " one sentence, with 'then' between",
                 tuple(sentence.words),
             )
+        if told.mirrored and (same := without_side(played, sort(parsed.clauses[0]))) is not None:
+            raise same
         if len(played.parsed.clauses) == 1 and len({id(step.clause) for step in played.steps}) == 1:
             for step in played.steps:
                 step.words = told.text
@@ -208,6 +212,7 @@ class _Reader:
             made += self._when(*parsed.when)
             condition = parsed.when[1] if parsed.when[0] == "if" else None
         before: Clause | None = None
+        earlier: Clause | None = None
         if set(_parts(parsed.clauses[0])) <= {"hand", "manner", "separator"}:
             before = self._clause_before  # "Now the left arm": as the right one before
         for clause in parsed.clauses:
@@ -218,7 +223,14 @@ class _Reader:
                         step.own["if"] = condition_of(condition, self._context)
                         step.because(condition.words, "if", str(step.own["if"]))
                     made.append(step)
+                if earlier is not None and _counted_alone(one, earlier):
+                    for step in stages[-1]:
+                        step.assume(
+                            "so often only this: for all of the sentence, say it without a number"
+                            " and 'Repeat that' after it"
+                        )
                 before = one if clause.verb is None and before is not None else clause
+                earlier = one
         self._clause_before = before
         return made
 
@@ -306,6 +318,15 @@ def _filled(clause: Clause, before: Clause | None) -> Clause:
     )
     words = (before.verb, *clause.words)
     return replace(clause, verb=before.verb, phrases=(*said, *kept), words=words)
+
+
+def _counted_alone(clause: Clause, before: Clause) -> bool:
+    """Whether a number of times could be meant of the clause before as well."""
+    kinds = [phrase.kind for phrase in clause.phrases]
+    if "count" not in kinds or any(phrase.kind == "count" for phrase in before.phrases):
+        return False
+    set_off = kinds[-2:] == ["separator", "count"]
+    return set_off or (clause.verb is not None and clause.verb is before.verb)
 
 
 def _parts(clause: Clause) -> list[str]:

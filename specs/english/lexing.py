@@ -185,7 +185,13 @@ def _separates(words: list[Word], i: int) -> bool:
         return True
     if word.kind == "DASH":
         return not (0 < i < len(words) - 1 and words[i + 1].kind == "NUMBER")
-    return word.kind == "TOGETHER" and _clause_follows(words, i + 1)
+    if word.kind != "TOGETHER":
+        return False
+    set_off = 0 < i < len(words) - 1 and {words[i - 1].kind, words[i + 1].kind} <= {
+        "MARK",
+        "LINKING",
+    }
+    return _clause_follows(words, i + (2 if set_off else 1))
 
 
 def _strongest(words: list[Word]) -> str:

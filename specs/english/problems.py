@@ -10,6 +10,7 @@ from specs.errors import Position, SpecError
 
 MOST = 20  # problems that are shown
 LONGEST = 40  # characters of a word that neighbours are looked for
+COMMON = ("raise", "extend", "bend", "turn", "put", "touch", "wave", "look")
 FEW = 5  # phrases that are shown
 LIKE, ALIKE = 0.7, 0.8  # how much of a word is another; the same of another class of word
 WIDEST = 160  # characters of a line that are shown
@@ -50,7 +51,7 @@ def _instead(word: str, wanted: str, known: Sequence[str]) -> str:
         return close
     if wanted == "NOUN":
         return f"; there are: {', '.join(vocabulary().parts())}"
-    return "; 'adonis words' lists the verbs that there are"
+    return f"; verbs are {', '.join(COMMON)} …: 'adonis words' lists them"
 
 
 def only_in(phrases: Sequence[str]) -> str:

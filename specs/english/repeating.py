@@ -50,17 +50,33 @@ def repeated(roles: Roles, played: Sequence[Played], context: Context) -> list[t
     return flat * int(times)
 
 
-def told(again: Sequence[tuple[Played, bool]], before: int) -> str:
-    """What is repeated, in words; of one sentence among several, how to have more of them."""
+def told(again: Sequence[tuple[Played, bool]], roles: Roles, before: int) -> str:
+    """What is repeated and how often, in words; of one sentence, how to have more of them."""
     lines = list(dict.fromkeys(one.line for one, _ in again))
     texts = list(dict.fromkeys(one.text for one, _ in again))
+    times = int(roles.count.number) if roles.count is not None else 1
     where = f"line {lines[0]}" if len(lines) == 1 else f"lines {lines[0]} to {lines[-1]}"
     said = f"{where}, {texts[0]!r}" if len(texts) == 1 else where
-    many = f"{len(again)} times" if len(texts) == 1 else f"{len(again)} sentences in all"
-    rounds = "once" if len(again) == len(texts) else many
+    rounds = "once more" if times == 1 else f"{times} times more"
+    several = f"{len(again)} sentences more, " if len(again) > times else ""
     more = len(texts) == 1 and before > 1
-    rest = "; for more say 'Repeat the last 2 sentences' or 'Repeat everything'" if more else ""
-    return f"repeats {said}: {rounds}{rest}"
+    rest = (
+        "; for more sentences say 'Repeat the last 2 sentences' or 'Repeat everything'"
+        if more
+        else ""
+    )
+    return f"repeats {said}, {rounds}: {several}{times + 1} passes with the first{rest}"
+
+
+def without_side(again: Played, roles: Roles) -> Problem | None:
+    """What is wrong where left and right are exchanged and nothing comes out otherwise."""
+    before = [(step.primitive, step.parameters) for one, _ in again.plays for step in one.steps]
+    if before != [(step.primitive, step.parameters) for step in again.steps]:
+        return None
+    words = tuple(word for p in roles.places if _other_side(p) for word in p.words)
+    words = words or (roles.hand.words if roles.hand is not None else roles.clause.words)
+    said = " ".join(map(str, words))
+    return Problem.of(f"{said!r}: left and right are the same in what is repeated", words)
 
 
 def stands_still(again: Played, before: Played) -> bool:

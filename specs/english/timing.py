@@ -58,7 +58,7 @@ def _of_movement(roles: Roles, step: Step, does: str) -> None:
     rounds = step.own.get("repeat", 1)
     if roles.count is not None:
         if does in ("tap", "clap"):
-            step.because(roles.count.words, "repeat", f"{rounds} times")
+            step.because(roles.count.words, "repeat", _often(rounds))
         elif roles.count.number != 1:
             raise Problem.of(
                 f"{roles.verb!r} ends in a posture, and {roles.count.number:g} times of it would"
@@ -89,7 +89,7 @@ def _of_movement(roles: Roles, step: Step, does: str) -> None:
     elif roles.until is None and roles.rate is None:
         step.assume("one beat")
     if does in ("tap", "clap") and rounds == 1 and roles.count is None and roles.until is None:
-        step.assume("once")
+        step.assume("once" + _for_more(roles))
 
 
 def _on_the_beat(roles: Roles, step: Step) -> None:
@@ -118,7 +118,23 @@ def _on_the_beat(roles: Roles, step: Step) -> None:
         )
     if times > 1:
         step.own["repeat"] = int(times)
-    step.because(roles.time.words, "repeat", f"{times:g} times")
+    step.because(roles.time.words, "repeat", _often(times))
+
+
+def _often(times: float) -> str:
+    return "once" if times == 1 else f"{times:g} times"
+
+
+def _for_more(roles: Roles) -> str:
+    """Where a time is said and no number, how to have more than one in it."""
+    if roles.time is None or roles.rate is not None:
+        return ""
+    key, length = _length(roles.time)
+    how = "on every beat" if key == "beats" and length == int(length) else "four times"
+    if length <= 1:
+        return ""
+    time = said(roles.time.words)
+    return f", which takes all of that time: for more say '{roles.verb} {how} {time}'"
 
 
 def _length(time: Amount) -> tuple[str, float]:

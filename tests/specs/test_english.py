@@ -180,6 +180,17 @@ def test_good_lines_are_explained_beside_bad_ones() -> None:
         ("Put your right wrist on your left wrist.", "'your right wrist': the hand moves"),
         ("Touch the top of your left hand.", "'the top of your left hand' is onto the palm of the"),
         ("Slide your right hand up to the left elbow.", "through the air, not along the body"),
+        ("Shake your right hand up and down.", "half a beat for each; 4 times"),
+        ("Clap for four beats.", "for more say 'Clap on every beat for four beats'"),
+        (
+            "Tap your chest with your right hand, then your belly with your left, four times.",
+            "so often only this",
+        ),
+        ("Nod, then clap, four times.", "so often only this"),
+        (
+            "Lift your left arm and bend forward, then come back up.",
+            "only the trunk straightens: this leaves the left arm where it is",
+        ),
         ("Look over your left shoulder.", "at it, not past it: 'over' has no effect"),
     ],
 )
@@ -207,12 +218,29 @@ def test_what_is_repeated_is_told() -> None:
     for said, told in (
         (
             "Nod. Repeat this twice.",
-            "repeats line 3, 'Nod': 2 times; for more say 'Repeat the last",
+            "repeats line 3, 'Nod', 2 times more: 3 passes with the first; for more sentences say",
         ),
-        ("Repeat everything.", "repeats lines 1 to 2: once"),
-        ("Repeat lines 1 to 2 twice.", "repeats lines 1 to 2: 4 sentences in all"),
+        (
+            "Repeat everything.",
+            "repeats lines 1 to 2, once more: 2 sentences more, 2 passes with the first",
+        ),
+        (
+            "Repeat lines 1 to 2 twice.",
+            "repeats lines 1 to 2, 2 times more: 4 sentences more, 3 passes",
+        ),
     ):
         assert f"= {told}" in explain(read_lesson(lines + said, "again.txt"))
+
+
+def test_what_is_exchanged_between_the_sides_is_told() -> None:
+    explained = explain(
+        read_lesson(
+            "Nod.\nBow.\nLift your left arm.\nRepeat all again on the other side.", "sides.txt"
+        )
+    )
+    assert "= on the other side: left and right are exchanged" in explained
+    for step in ("-> 4-nod-neck-y: oscillate", "-> 4-raise-right-arm: get-posture, limb right_arm"):
+        assert step in explained
 
 
 def test_every_word_is_explained_or_without_effect() -> None:
