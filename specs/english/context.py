@@ -26,6 +26,15 @@ class Hands:
         return len(self.sides) == 2
 
 
+@dataclass(frozen=True)
+class Named:
+    """Which arms were named, for a sentence that does not name any: see `Context`."""
+
+    last: tuple[str, ...] = ()
+    both: str = ""
+    apart: bool = False
+
+
 @dataclass
 class Context:
     """Goes from sentence to sentence."""
@@ -42,6 +51,16 @@ class Context:
     def begin(self) -> None:
         """A sentence begins."""
         self.both = self.both and "before"
+
+    @property
+    def named(self) -> Named:
+        """Which arms were named up to now."""
+        return Named(self.last, self.both, self.apart)
+
+    def go_back_to(self, named: Named) -> None:
+        """A sentence that is repeated means the arms that it meant before, or the other ones."""
+        self.last = tuple(self.side(side) for side in named.last)
+        self.both, self.apart = named.both, named.apart
 
     def side(self, said: str) -> str:
         """The side that a word means."""

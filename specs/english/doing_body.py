@@ -175,6 +175,7 @@ def _waving(roles: Roles, context: Context) -> Hands:
         and roles.hand is None
         and len(context.raised) == 1
         and not context.last
+        and not context.mirrored
     ):
         return Hands(tuple(context.raised), (), "the raised arm")
     return hands_of(roles, context)
@@ -371,7 +372,7 @@ def _seen(phrase: Phrase, context: Context) -> tuple[Any, list[str]]:
             )
         context.last = hands.sides  # "look at your left hand while you wave it"
         return {"hand": f"{hands.sides[0]}_arm"}, [hands.assumed] if hands.assumed else []
-    side = context.last[0] if len(context.last) == 1 else "right"
+    side = context.last[0] if len(context.last) == 1 else context.side("right")
     name, assumed = landmark(noun, side, context)
     return name, [assumed] if assumed else []
 

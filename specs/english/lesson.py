@@ -143,7 +143,7 @@ class _Reader:
         if self._tempo(parsed, told):
             return
         number = sentence.number if self._numbered else len(self._played) + 1
-        played = Played(number, told.line, parsed, told.text)
+        played = Played(number, told.line, parsed, told.text, self._context.named)
         if _repeats(parsed):
             (clause,) = parsed.clauses
             roles = sort(clause)
@@ -155,6 +155,8 @@ class _Reader:
             played.plays, told.mirrored = again, any(mirrored for _, mirrored in again)
         for one, mirrored in played.plays or [(played, False)]:
             before, self._context.mirrored = self._context.mirrored, mirrored
+            if played.plays:
+                self._context.go_back_to(one.named)
             try:
                 steps = self._play(one.parsed)
             except Problem as problem:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from specs.english.context import Context
+from specs.english.context import Context, Named
 from specs.english.problems import Problem
 from specs.english.roles import Roles
 from specs.english.sentences import Parsed, Phrase
@@ -22,6 +22,7 @@ class Played:
     line: int
     parsed: Parsed
     text: str = ""
+    named: Named = field(default_factory=Named)  # before it
     steps: list[Step] = field(default_factory=list)
     plays: "list[tuple[Played, bool]]" = field(default_factory=list)
 
