@@ -14,6 +14,7 @@ import typer
 from adonis.dancing import run_task
 from adonis.judging import judge
 from adonis.rehearsal.keeping import rehearsed
+from adonis.rehearsal.rehearsing import TURNS
 from adonis.rehearsal.searching import without_ways
 from adonis.reporting import write_results
 from adonis.verdicts import Judgement, Verdict
@@ -37,12 +38,15 @@ class Danced:
         return sum((fit.verdict == "reachable") == happened[fit.subtask] for fit in self.fitness)
 
 
-def dance(spec: TaskSpec, body: Body, seed: int = 0, folder: Path | None = None) -> Danced:
+def dance(
+    spec: TaskSpec, body: Body, *, turns: int = TURNS, seed: int = 0, folder: Path | None = None
+) -> Danced:
     """Let a body do a task as far as it can, twice.
 
     Args:
         spec: the task, for the body that it was written for.
         body: that does it.
+        turns: how often the rehearsal goes through the task at most.
         seed: of the rehearsal.
         folder: where recordings and pictures go, in folders of their own.
     """
@@ -50,7 +54,9 @@ def dance(spec: TaskSpec, body: Body, seed: int = 0, folder: Path | None = None)
     for forgotten in (False, True):
         fits = fitted(spec, body)
         effort = BestEffort.of(without_ways(fits) if forgotten else fits, body)
-        tried = rehearsed(effort.tried, body, seed=seed)[0] if forgotten else effort.tried
+        tried = (
+            rehearsed(effort.tried, body, seed=seed, turns=turns)[0] if forgotten else effort.tried
+        )
         (recording,) = run_task(bind_task(tried, body))
         asked = effort.to_judge(tried)
         if folder is not None:
@@ -93,6 +99,9 @@ def main(
     bodies: Annotated[list[str], typer.Argument(help="Body files, or names.")],
     task: Annotated[str, typer.Option("--task", help="What they do.")] = "macarena",
     tempo: Annotated[float | None, typer.Option("--tempo", help="Beats per minute.")] = None,
+    turns: Annotated[
+        int, typer.Option("--turns", min=1, help="How often rehearsal goes through it at most.")
+    ] = TURNS,
     out: Annotated[Path | None, typer.Option("--out", help="Folder for recordings.")] = None,
 ) -> None:
     """Let bodies do a task as far as they can, and print what was foreseen and what happened."""
@@ -100,7 +109,7 @@ def main(
     if tempo is not None:
         spec = spec.model_copy(update={"tempo": tempo})
     for name in bodies:
-        danced = dance(spec, find_body(name), folder=out)
+        danced = dance(spec, find_body(name), turns=turns, folder=out)
         its, own = danced.by_its_ways, danced.by_own_ways
         print(f"## {danced.body}\n\n{table(danced)}\n")
         print(

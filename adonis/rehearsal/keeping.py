@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from adonis.keeping import keep, kept_file, read_kept
 from adonis.rehearsal.grading import Grade
-from adonis.rehearsal.rehearsing import Progress, rehearse
+from adonis.rehearsal.rehearsing import TURNS, Progress, rehearse
 from adonis.rehearsal.searching import Rehearsed, with_ways
 from primitives import GoToPoint
 from sim import Body
@@ -35,6 +35,7 @@ def rehearsed(
     *,
     seed: int = 0,
     afresh: bool = False,
+    turns: int = TURNS,
     progress: Progress | None = None,
 ) -> tuple[TaskSpec, dict[str, Rehearsed]]:
     """The task with the ways filled in that it lacks, and those ways.
@@ -44,6 +45,7 @@ def rehearsed(
         body: that is to do it.
         seed: of what is drawn.
         afresh: look for the ways again, even if they are in the user's cache.
+        turns: how often the task is gone through at most.
         progress: told the share that is done and the sub-task that is on.
 
     Raises:
@@ -56,7 +58,9 @@ def rehearsed(
         ways[name] = way
         keep(file, _plain(ways))
 
-    found = rehearse(spec, body, seed=seed, known=ways, progress=progress, found=put_away)
+    found = rehearse(
+        spec, body, seed=seed, turns=turns, known=ways, progress=progress, found=put_away
+    )
     done = with_ways(spec, {name: way.does for name, way in found.items()})
     return done.model_copy(update={"rehearse": False}), found
 

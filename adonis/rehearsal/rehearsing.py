@@ -30,6 +30,7 @@ def rehearse(
     body: Body,
     *,
     seed: int = 0,
+    turns: int = TURNS,
     known: Mapping[str, Rehearsed] | None = None,
     progress: Progress | None = None,
     found: Found | None = None,
@@ -40,6 +41,7 @@ def rehearse(
         spec: the task.
         body: that is to do it.
         seed: of what is drawn.
+        turns: how often the task is gone through at most.
         known: ways from a rehearsal of the same task that broke off.
         progress: told the share that is done and the sub-task that is on.
         found: told each way as soon as it is found, or mended.
@@ -52,14 +54,14 @@ def rehearse(
     """
     said = {s.name: s.does for s in spec.subtasks if s.lacks_way}
     ways = dict(known or {})
-    for turn in range(TURNS):
+    for turn in range(turns):
         walk = Walk(bind_task(_with(spec, ways), body))
         done = {name for name, way in ways.items() if way.turns > turn}
         while scene := walk.next(set(said) - done):
             name, way = scene.subtask, said[scene.subtask]
             assert isinstance(way, GoToPoint)
             if progress is not None:
-                progress((turn + len(done) / len(said)) / TURNS, name)
+                progress((turn + len(done) / len(said)) / turns, name)
             rng = np.random.default_rng([seed, list(said).index(name), turn])
             search = Search(_with(spec, ways), body, scene, alone=turn == 0, rng=rng)
             ways[name] = search.further(way, ways[name]) if turn else search.afresh()
