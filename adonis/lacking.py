@@ -8,6 +8,7 @@ import numpy as np
 from sim import ArmWords, Body, BodyError, inverse_dynamics, load_body, pose
 
 WHOLE = "adonis"  # the body that lacks nothing
+SLOW = 2.0  # [rad/s] that a motor reaches against a joint's damping, with all its torque
 HOLDING = 0.9  # of its limit: a motor that needs more to hold an arm out is too weak
 
 
@@ -21,7 +22,8 @@ class Lack:
 
 def lacks_of(body: Body) -> list[Lack]:
     """Everything that a body lacks, the worst first."""
-    return [*_arms(body), *_core(body), *_wrists(body), *_marks(body), *_strength(body)]
+    found = [*_arms(body), *_core(body), *_wrists(body), *_marks(body), *_strength(body)]
+    return [*found, *_slow(body)]
 
 
 def _arms(body: Body) -> list[Lack]:
@@ -102,6 +104,20 @@ def _strength(body: Body) -> list[Lack]:
         if short:
             said = f"{name} is too weak to be held out: {_some(short)}"
             found.append(Lack(said, "it will sink"))
+    return found
+
+
+def _slow(body: Body) -> list[Lack]:
+    """Motors that the damping of their own joints holds back."""
+    fastest = body.torque_limit / np.maximum(body.model.dof_damping, 1e-9)
+    found = []
+    for name in body.map.limbs:
+        slow = [int(dof) for dof in body.arm(name).dofs if fastest[dof] < SLOW]
+        if slow:
+            speeds = (f"{body.dof_name(d)} ({np.rad2deg(fastest[d]):.0f}°/s)" for d in slow)
+            said = f"{name}: motors too weak for their joints' own damping: {_some(speeds)}"
+            cost = "quick movements miss; if that is not so, mend `damping` in the body file"
+            found.append(Lack(said, cost))
     return found
 
 

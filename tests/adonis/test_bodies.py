@@ -12,7 +12,7 @@ import pytest
 
 from adonis.body_study import model_of, truths
 from adonis.lacking import lacks_of
-from sim import BodyFile, arm7, load_body
+from sim import Body, BodyFile, arm7, load_body
 from specs import read_body_file
 
 TASK = """task: look
@@ -125,6 +125,16 @@ def test_what_an_arm_lacks_is_said_with_its_cost() -> None:
     assert said["no left arm"] == "sub-tasks of the left arm are refused"
     assert said["no waist"] == "bows and sways are refused"
     assert said["nothing that turns the head"] == "look-at is impossible"
+
+
+def test_motors_that_damping_holds_back_are_said() -> None:
+    """Many models have a damping that nobody measured."""
+    man = load_body("adonis")
+    spec = man.spec.copy()
+    spec.joint("right_wrist_z").damping[0] = 20.0
+    (lack,) = lacks_of(Body(spec, man.map))
+    assert lack.what.startswith("right_arm: motors too weak for their joints' own damping")
+    assert "right_wrist_z" in lack.what
 
 
 def test_a_sub_task_of_joints_that_a_body_lacks_is_refused(tmp_path: Path) -> None:
