@@ -1,6 +1,6 @@
 """Fuzzing of English lessons: whatever the text, a task or a SpecError, soon.
 
-    python tests/fuzz_english.py 100000 [SEED]
+    python -m tests.fuzz_english 100000 [SEED]
 
 mutates lessons that mean something: words go, come, change places, and are replaced by others of
 the vocabulary, by numbers and by noise. Half of the texts are made of the vocabulary alone.

@@ -1,6 +1,6 @@
 """Damaged task files, by the thousand: each is read or refused, soon, and nothing else happens.
 
-    python tests/fuzz_yaml.py --count 100000 --processes 2
+    python -m tests.fuzz_yaml --count 100000 --processes 2
 
 Python's audit hook watches what a file makes the program do: open a file that is not in the
 task's folder, run a command, compile or import code. A file takes at most a second of processor
