@@ -1,13 +1,12 @@
 """A proposal for a body as YAML, with what was guessed marked beside it."""
 
 from collections.abc import Mapping
-from io import StringIO
 from typing import Any
 
 from pydantic import BaseModel
-from ruamel.yaml import YAML
 
 from sim import Proposal
+from specs.editing import on_one_line
 
 HEAD = """\
 # What the parts of {model} are called in anatomy, so that it can do tasks.
@@ -104,10 +103,4 @@ def _flow(value: object) -> str:
     """A value on one line."""
     if isinstance(value, BaseModel):
         value = value.model_dump(mode="json", exclude_defaults=True, by_alias=True)
-    yaml: Any = YAML(typ="safe", pure=True)
-    yaml.default_flow_style = True
-    yaml.sort_base_mapping_type_on_output = False
-    yaml.width = 10**9
-    stream = StringIO()
-    yaml.dump({"x": value}, stream)
-    return stream.getvalue().strip().removeprefix("{x: ").removesuffix("}")
+    return on_one_line(value)

@@ -127,7 +127,7 @@ def _splice(document: Document, root: Node, text: str, path: Path_, value: Any) 
         return _removed(document, around, text, path)
     if isinstance(node, MappingNode | SequenceNode) and not node.flow_style:
         raise document.error("a value over several lines is not replaced: name one in it", path)
-    return node.start_mark.index, node.end_mark.index, _written(value)
+    return node.start_mark.index, node.end_mark.index, on_one_line(value)
 
 
 def _below(node: Node | None, step: str | int) -> Node | None:
@@ -141,7 +141,7 @@ def _below(node: Node | None, step: str | int) -> Node | None:
 
 def _added(around: MappingNode, text: str, key: str, value: Any) -> Splice:
     """A new key: after the others of a flow mapping, else below the last that takes one line."""
-    pair = f"{_written(key)}: {_written(value)}"
+    pair = f"{on_one_line(key)}: {on_one_line(value)}"
     if around.flow_style:
         if not around.value:
             at = around.end_mark.index - 1
@@ -192,7 +192,9 @@ def _block(key: str, value: Any, margin: str) -> str:
         return ""
     if not all(isinstance(item, Mapping) for item in value):
         return ""
-    return "\n".join([f"{_written(key)}:", *(f"{margin}  - {_written(item)}" for item in value)])
+    return "\n".join(
+        [f"{on_one_line(key)}:", *(f"{margin}  - {on_one_line(item)}" for item in value)]
+    )
 
 
 def _end_of_line(text: str, at: int) -> int:
@@ -200,7 +202,7 @@ def _end_of_line(text: str, at: int) -> int:
     return len(text) if ends < 0 else ends
 
 
-def _written(value: Any) -> str:
+def on_one_line(value: Any) -> str:
     """A value on one line, so that it can stand anywhere."""
     yaml: Any = YAML(typ="safe", pure=True)
     yaml.default_flow_style = True
