@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
+from adonis.tables import headed
 from specs import Fitness, TaskSpec
 
 COLORS = {"reachable": "green", "partly": "yellow", "impossible": "red"}
@@ -13,10 +13,14 @@ COLORS = {"reachable": "green", "partly": "yellow", "impossible": "red"}
 
 def print_fitness(console: Console, spec: TaskSpec, body: str, fitness: Sequence[Fitness]) -> None:
     """Each sub-task: whether the body can do it, how far short it stays, and what is to blame."""
-    table = Table(title=f"What {escape(body)} can do of {escape(spec.task)}", title_justify="left")
-    for heading, justify in (("", "right"), ("sub-task", "left"), ("", "left"),
-                             ("short of it", "right"), ("why", "left")):  # fmt: skip
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    table = headed(
+        f"What {body} can do of {spec.task}",
+        ("", "right"),
+        ("sub-task", "left"),
+        ("", "left"),
+        ("short of it", "right"),
+        ("why", "left"),
+    )
     for number, fit in enumerate(fitness, start=1):
         said = f"[{COLORS[fit.verdict]}]{fit.verdict}[/]"
         table.add_row(str(number), escape(fit.subtask), said, short(fit), escape(fit.why))

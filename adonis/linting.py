@@ -6,10 +6,10 @@ from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from adonis.arguments import BAD_INPUT, FAILED, fit, refuse, whose
 from adonis.fitness import print_fitness
+from adonis.tables import headed
 from primitives import GoToPoint, Primitive
 from sim import BodyError
 from specs import (
@@ -93,10 +93,15 @@ def check_task(
 def print_plan(console: Console, bound: BoundTask) -> None:
     """When each sub-task is planned, and what is beside them."""
     spec, graph = bound.spec, bound.graph
-    table = Table(title=escape(spec.title or spec.task), title_justify="left")
-    for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
-                             ("moves", "left"), ("from", "right"), ("to", "right")):  # fmt: skip
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    table = headed(
+        spec.title or spec.task,
+        ("", "right"),
+        ("sub-task", "left"),
+        ("primitive", "left"),
+        ("moves", "left"),
+        ("from", "right"),
+        ("to", "right"),
+    )
     depends = any(s.circumstances for s in spec.subtasks)
     if depends:
         table.add_column("if, while, until")

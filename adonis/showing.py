@@ -10,16 +10,23 @@ from rich.table import Table
 from adonis.comparison.comparing import Comparison
 from adonis.comparison.report import Written, failures, summary
 from adonis.rehearsal.searching import Rehearsed
+from adonis.tables import headed
 from adonis.verdicts import Judgement, Verdict
 
 
 def print_results(console: Console, judgement: Judgement, title: str) -> None:
     """What became of each sub-task, of what must hold all the time, and of the whole."""
-    table = Table(title=escape(title), title_justify="left")
-    for heading, justify in (("", "right"), ("sub-task", "left"), ("primitive", "left"),
-                             ("from", "right"), ("to", "right"), ("error", "right"),
-                             ("allowed", "right"), ("", "left")):  # fmt: skip
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    table = headed(
+        title,
+        ("", "right"),
+        ("sub-task", "left"),
+        ("primitive", "left"),
+        ("from", "right"),
+        ("to", "right"),
+        ("error", "right"),
+        ("allowed", "right"),
+        ("", "left"),
+    )
     for number, verdict in enumerate(judgement.verdicts, start=1):
         row, worst = verdict.as_dict(), verdict.worst
         error = allowed = ""

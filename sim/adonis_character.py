@@ -18,6 +18,7 @@ import numpy as np
 
 from sim.anthropometry import MALE, PALM, Anthropometry, Segment
 from sim.landmarks import Ray, place_landmarks
+from sim.physics import set_physics
 from sim.scenery import set_scene
 
 Vector = tuple[float, float, float]
@@ -139,11 +140,7 @@ class _Builder:
         spec.modelname = "adonis"
         spec.compiler.degree = False
         spec.memory = 4 << 20
-        spec.option.timestep = 0.002
-        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-        if not self.contacts:
-            spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+        set_physics(spec, contacts=self.contacts)
         height = self.person.stature
         set_scene(spec, (0.12, 0.0, 0.71 * height), 0.70 * height)
 

@@ -17,6 +17,7 @@ from sim.anthropometry import MALE, Anthropometry, Segment
 from sim.body import Body
 from sim.body_map import BodyMap, Servo
 from sim.briskness import DAMPING_RATIO, FREQUENCY
+from sim.physics import set_physics
 
 RANGES = {"shoulder": (-40.0, 140.0), "elbow": (0.0, 150.0)}  # [deg]
 LIKE = {"shoulder": "shoulder_y", "elbow": "elbow"}  # whose motor, armature and damping
@@ -37,9 +38,7 @@ def planar_arm(person: Anthropometry = MALE, *, limits: bool = True, contacts: b
     spec = mujoco.MjSpec()
     spec.modelname = "planar-arm"
     spec.compiler.degree = False
-    spec.option.timestep = 0.002
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    set_physics(spec)
     outer = _joined(person.forearm, person.hand)
     upper = _link(spec.worldbody, "upper_arm", "shoulder", 0.0, person.upper_arm)
     forearm = _link(upper, "forearm", "elbow", person.upper_arm.length, outer)

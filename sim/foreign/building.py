@@ -24,6 +24,7 @@ from sim.foreign.reading import LEAST_MASS, Source
 from sim.foreign.surface import drawn
 from sim.foreign.tree import Tree
 from sim.landmarks import x_along
+from sim.physics import set_physics
 from sim.scenery import set_scene
 
 FloatArray = NDArray[np.float64]
@@ -98,11 +99,7 @@ class _Builder:
         spec.modelname = self.file.body
         spec.compiler.degree = False
         spec.memory = 4 << 20
-        spec.option.timestep = 0.002
-        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-        if not self.contacts:
-            spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+        set_physics(spec, contacts=self.contacts)
         self._scene()
         for name in self.file.shapes:
             self.layout.link(name)
